@@ -1,0 +1,33 @@
+// Draco behind a plain face, for the level codec and for importing KHR_draco_mesh_compression and .drc files.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/mesh/mesh.h"
+
+namespace lodestream::codec {
+
+// A decoded attribute: `components` numbers a point, converted to double-free float or left as integers by the caller's choice.
+struct DracoAttribute {
+    enum class Semantic { position, normal, color, texture_coordinate, generic };
+    Semantic semantic = Semantic::generic;
+    int components = 0;            // 1 … 4
+    bool normalized = false;       // integer data that stands for [0,1] or [-1,1]
+    std::vector<float> values;     // components * points; integers are converted, normalized ones scaled
+};
+
+struct DracoMesh {
+    std::uint32_t points = 0;
+    std::vector<mesh::Triangle> triangles;                 // empty for a point cloud
+    std::map<std::uint32_t, DracoAttribute> attributes;    // by Draco's unique id
+};
+
+// Decodes hostile bytes. Errors: invalid_input (damaged, truncated), limit_exceeded (more than max_points or faces).
+Result<DracoMesh> decode_draco(std::span<const std::byte> bytes, std::uint64_t max_points, std::uint64_t max_triangles);
+
+}  // namespace lodestream::codec

@@ -1,0 +1,77 @@
+// A LOD level as plain glTF 2.0 binary with KHR_draco_mesh_compression, and back.
+// A hybrid level: each material's Gouraud triangles form a primitive with NORMAL, its flat triangles one without, which
+// glTF 2.0 (§3.7.2.1) says must be drawn with flat normals. All primitives share one quantization grid, so the vertices
+// along the border decode to the same bits.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/mesh/mesh.h"
+
+namespace lodestream::codec {
+
+// One grid for everything that must fit together: an asset, a tileset.
+struct QuantizationGrid {
+    Vec3f origin{0.0f};
+    float range = 1.0f;  // > 0, the same on all three axes
+    int bits = 14;       // [min_position_bits, max_position_bits]
+    double step() const { return static_cast<double>(range) / ((1u << bits) - 1u); }
+};
+
+inline constexpr int min_position_bits = 6;
+inline constexpr int max_position_bits = 20;
+
+// The grid around `bounds` whose step adds at most a quarter of `error` (and always resolves 1/16 of the mean edge length).
+QuantizationGrid choose_grid(const Box& bounds, double error, double mean_edge_length);
+
+struct EncodeOptions {
+    QuantizationGrid grid;
+    int normal_bits = 8;
+    int texture_coordinate_bits = 12;
+    std::string extras_json;  // an object, put into the asset's `extras.lodestream`; empty: none
+};
+
+struct Encoded {
+    std::vector<std::byte> glb;
+    std::uint64_t triangles = 0;
+    std::uint64_t vertices = 0;     // as decoded, summed over the primitives
+    std::uint64_t geometry_bytes = 0;  // of the Draco streams
+    std::vector<std::pair<std::string, std::uint64_t>> left_out;  // what, and the bytes that it would have cost
+};
+
+enum class Shading { gouraud, flat };
+
+struct Primitive {
+    Shading shading = Shading::gouraud;
+    std::uint32_t material = 0;
+    mesh::Mesh mesh;  // normals empty where flat
+};
+
+struct Decoded {
+    std::vector<Primitive> primitives;
+    std::vector<mesh::Material> materials;
+    std::vector<mesh::Image> images;
+    Vec3d origin{0.0};
+    std::string extras_json;
+};
+
+// Encodes `level` with the materials and images of `model` that it uses. `gouraud[t]` != 0: triangle t is Gouraud shaded.
+// Leaves out texture coordinates where no used texture reads them, colours that are constant (moved into the material),
+// and unused materials and images. The result has been decoded again and compared with `level`: same triangles,
+// positions within half a grid step, borders identical. Errors: invalid_input (too many triangles, not finite), internal.
+Result<Encoded> encode_level(const mesh::Model& model, const mesh::Mesh& level, std::span<const std::uint8_t> gouraud,
+                             const EncodeOptions& options);
+
+inline constexpr std::uint64_t max_decoded_triangles = 100'000'000;
+inline constexpr std::uint64_t max_decoded_vertices = 100'000'000;
+
+// Reads what encode_level wrote. The bytes are hostile: any damage is an error, never a crash or an unbounded allocation.
+Result<Decoded> decode_level(std::span<const std::byte> glb);
+
+}  // namespace lodestream::codec

@@ -1,0 +1,30 @@
+// Small whole-mesh operations that several stages share.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/mesh/mesh.h"
+
+namespace lodestream::mesh {
+
+// The smallest box around the positions that triangles use; empty for a mesh without triangles.
+Box bounds(const Mesh& mesh);
+
+// For every vertex the lowest index of a vertex with the same position bit for bit (-0 counts as +0).
+std::vector<std::uint32_t> weld_positions(const std::vector<Vec3f>& positions);
+
+// Merges vertices that agree in every attribute and material, drops vertices without a triangle and triangles of fewer
+// than three positions, and keeps the order of first use. Deterministic.
+Mesh compact(const Mesh& mesh);
+
+// Gives the mesh unit normals: the average over the triangles around a position, weighted by corner angle, of those
+// whose own normals differ by at most `crease_degrees` from the corner's triangle. Sharper edges split their vertices.
+// Zero-area triangles take the direction of their neighbours; where there is none, +y. Always finite.
+Mesh with_normals(const Mesh& mesh, double crease_degrees);
+
+// The unit normal of a triangle in double precision; (0,0,0) where it has no area.
+Vec3d face_normal(const Vec3f& a, const Vec3f& b, const Vec3f& c);
+double face_area(const Vec3f& a, const Vec3f& b, const Vec3f& c);
+
+}  // namespace lodestream::mesh

@@ -1,0 +1,43 @@
+// Measured two-sided distance between two surfaces, as METRO does (Cignoni, Rocchini, Scopigno 1998): points sampled
+// evenly over each surface, the exact nearest point on the other.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "common/mesh/mesh.h"
+
+namespace lodestream::metric {
+
+struct SurfaceError {
+    double rms = 0.0;  // model units; the larger of both sides
+    double max = 0.0;  // model units; the larger of both sides
+};
+
+// Answers nearest-point queries on a mesh's triangles. Immutable once built; queries may run from any thread.
+class SurfaceIndex {
+  public:
+    explicit SurfaceIndex(const mesh::Mesh& mesh);  // copies what it needs
+    ~SurfaceIndex();
+    SurfaceIndex(SurfaceIndex&&) noexcept;
+    SurfaceIndex& operator=(SurfaceIndex&&) noexcept;
+
+    // Distance from a finite point to the surface, model units. `hint`: an upper bound if one is known.
+    // +infinity on a mesh without triangles.
+    double distance(const Vec3d& point, double hint = std::numeric_limits<double>::infinity()) const;
+
+    // The points that measure() sends out from this surface: every vertex, then area-stratified samples. Fixed seed.
+    const std::vector<Vec3f>& samples() const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+inline constexpr std::size_t default_samples = 100'000;  // on each side, beside a subset of the vertices
+
+// Two-sided error of `level` against `original`. Both empty: 0. One empty: the other's bounding-box diagonal.
+SurfaceError measure(const SurfaceIndex& original, const mesh::Mesh& original_mesh, const mesh::Mesh& level);
+
+}  // namespace lodestream::metric

@@ -1,0 +1,133 @@
+// The wire's messages: plain structs of what docs and openapi.yaml describe, and their JSON.
+// Parsing is strict about types and ranges and names the offending field; unknown fields are ignored, so that the wire can grow.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/budget/budget.h"
+#include "common/shading/view.h"
+
+namespace lodestream::proto {
+
+enum class AssetStatus { baking, ready, failed };
+enum class Profile { plain, lean };
+// Which triangles get normals: the plan's split, or all or none of them (the two pure modes to compare with).
+enum class ShadingMode { hybrid, gouraud, flat };
+
+// One rung of an asset's ladder; 0 is the finest.
+struct Level {
+    std::uint64_t triangles = 0;
+    std::uint64_t vertices = 0;
+    double rms_error = 0.0;          // model units, two-sided, measured
+    double max_error = 0.0;          // model units
+    double rms_error_percent = 0.0;  // of the bounding box's diagonal
+    std::uint64_t bytes = 0;
+    double encode_ms = 0.0;
+    std::string url;                 // /v1/content/….glb
+};
+
+struct Asset {
+    std::string id;
+    std::string name;
+    std::string kind;                // "mesh", "scene", "terrain", "points"
+    std::uint64_t triangles = 0;
+    std::uint64_t vertices = 0;
+    AssetStatus status = AssetStatus::baking;
+    std::string error;               // why, where status is failed
+    double bake_ms = 0.0;
+    double progress = 0.0;           // of the bake, [0,1]
+    std::uint64_t peak_memory_bytes = 0;
+    std::vector<Level> levels;
+    std::vector<std::string> warnings;
+};
+
+struct PlanRequest {
+    std::string asset;               // id or name
+    budget::Request budget;          // device, display, preference, network, reference
+    std::optional<shading::View> view;
+    Profile profile = Profile::plain;
+    ShadingMode shading = ShadingMode::hybrid;
+};
+
+struct LeftOut {
+    std::string what;
+    std::uint64_t bytes = 0;
+};
+
+struct PlanResponse {
+    double dlr = 0.0;
+    std::uint64_t ncp = 0;
+    std::optional<double> rup;
+    struct {
+        std::uint64_t triangles = 0;
+        std::string limited_by;
+        bool feasible = true;
+    } budget;
+    struct {
+        std::uint64_t triangles = 0;
+        std::uint64_t vertices = 0;
+        double rms_error = 0.0;
+        double max_error = 0.0;
+        double rms_error_percent = 0.0;
+        double screen_space_error_px = 0.0;  // max_error at the nearest point of the bounding sphere
+    } level;
+    struct {
+        double distance = 0.0;
+        std::uint64_t gouraud = 0;
+        std::uint64_t flat = 0;
+        budget::Operations operations;
+        std::string mode;                    // what was sent: "hybrid", "gouraud" or "flat"
+    } shading;
+    struct {
+        std::string url;
+        std::uint64_t bytes = 0;
+        std::string media_type = "model/gltf-binary";
+        std::string profile = "plain";
+    } content;
+    std::vector<LeftOut> left_out;
+    struct {
+        double plan = 0.0;    // ms, all of it
+        double cut = 0.0;     // ms, 0 where the level was in the store
+        double encode = 0.0;  // ms, 0 where the level was in the store
+        double measure = 0.0; // ms, of the level's error; 0 where it was known
+    } timing_ms;
+    std::vector<std::string> warnings;
+};
+
+// RFC 9457.
+struct Problem {
+    int status = 500;
+    std::string title;
+    std::string detail;
+    std::string type = "about:blank";
+};
+
+inline constexpr std::size_t max_json_depth = 32;
+
+Result<PlanRequest> parse_plan_request(std::string_view json);   // invalid_input names the field: "device.cpu_mhz must be > 0"
+Result<PlanResponse> parse_plan_response(std::string_view json);
+Result<std::vector<Asset>> parse_assets(std::string_view json);  // {"assets":[…]}
+Result<Asset> parse_asset(std::string_view json);
+Result<Problem> parse_problem(std::string_view json);
+// A device file of the client: the plan request without its asset, as in `{"device":…,"display":…,…}`; a bare device report too.
+Result<PlanRequest> parse_device_file(std::string_view json);
+
+std::string to_json(const PlanRequest& request);
+std::string to_json(const PlanResponse& response);
+std::string to_json(const Asset& asset);
+std::string to_json(const std::vector<Asset>& assets);           // {"assets":[…]}
+std::string to_json(const Problem& problem);
+
+Problem problem_of(const Error& error);                          // ErrorCode to HTTP status and title
+
+const char* status_name(AssetStatus status);
+const char* profile_name(Profile profile);
+const char* shading_mode_name(ShadingMode mode);
+Result<ShadingMode> parse_shading_mode(std::string_view name);
+
+}  // namespace lodestream::proto

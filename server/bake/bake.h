@@ -1,0 +1,43 @@
+// Baking: a model becomes a collapse history and a ladder of encoded levels, each with its measured error.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/mesh/mesh.h"
+#include "common/metric/surface_distance.h"
+#include "common/simplify/history.h"
+#include "proto/messages.h"
+#include "server/store/store.h"
+
+namespace lodestream::bake {
+
+// What a bake leaves in the store: everything that cutting any level needs.
+struct BakedModel {
+    mesh::Model model;
+    simplify::History history;
+};
+
+std::vector<std::byte> serialize(const BakedModel& baked);
+Result<BakedModel> deserialize(std::span<const std::byte> bytes);  // hostile bytes: every count and index is checked
+
+inline constexpr double ladder_ratio = 0.5;             // triangles of a rung over the rung above
+inline constexpr std::uint64_t ladder_floor = 64;       // triangles; no rung below
+inline constexpr std::size_t max_ladder_levels = 24;
+
+struct BakeOptions {
+    std::function<bool(double)> progress;  // share done in [0,1]; returning false cancels
+};
+
+// Bakes `model` as the asset `asset.id`, which the store must not know as ready. Stores the baked model and every rung, and
+// writes the asset as `ready` in the end. Returns the asset as stored. Errors: those of its stages; the asset is left `failed`.
+Result<proto::Asset> bake(store::Store& store, proto::Asset asset, mesh::Model model, const BakeOptions& options = {});
+
+// Ids are the names made safe for a URL: lower-case letters, digits, '-', '_' and '.', at most max_name_length.
+inline constexpr std::size_t max_name_length = 128;
+Result<std::string> asset_id(std::string_view name);
+
+}  // namespace lodestream::bake

@@ -1,0 +1,31 @@
+// Models built in, so that the demo downloads nothing. All are deterministic functions of their parameters.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "common/base/result.h"
+#include "common/mesh/mesh.h"
+
+namespace lodestream::samples {
+
+inline constexpr std::uint64_t teapot_triangles = 6'400;          // hybrid-rendering paper §4: 32 patches * 10 * 10 * 2
+inline constexpr std::uint64_t terrain_vertices = 4'320'857;      // ISBLC paper: 10 m grid
+inline constexpr double terrain_spacing_m = 10.0;
+inline constexpr std::uint64_t ship_objects = 3'000;
+inline constexpr std::uint64_t max_sample_triangles = 20'000'000;
+
+// The Utah teapot from its 32 bicubic Bézier patches, each cut into a grid; 2 m wide, centred, y up. The count is reached
+// exactly where it is even: patches share it out as evenly as grids allow (rows of unequal length are stitched without cracks).
+Result<mesh::Model> teapot(std::uint64_t triangles = teapot_triangles);
+
+// Seeded ridged fractal hills on a 10 m grid of about square shape, exactly `vertices` of them; y up.
+Result<mesh::Model> terrain(std::uint64_t vertices = terrain_vertices, std::uint64_t seed = 1);
+
+// A seeded cargo ship of exactly `objects` objects: hull, decks, bridge, cranes, containers, pipes, railings, bollards.
+Result<mesh::Model> ship(std::uint64_t objects = ship_objects, std::uint64_t seed = 1);
+
+// "teapot", "teapot:800", "terrain:40000", "ship:500": name and count. Errors name what is allowed.
+Result<mesh::Model> make_sample(std::string_view spec);
+
+}  // namespace lodestream::samples
