@@ -1,7 +1,10 @@
 // The wire's messages: plain structs of what docs and openapi.yaml describe, and their JSON.
-// Parsing is strict about types and ranges and names the offending field; unknown fields are ignored, so that the wire can grow.
+// Parsing is strict about types and ranges and names the offending field; unknown fields are ignored, so that the wire
+// can grow.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -28,27 +31,29 @@ struct Level {
     double rms_error_percent = 0.0;  // of the bounding box's diagonal
     std::uint64_t bytes = 0;
     double encode_ms = 0.0;
-    std::string url;                 // /v1/content/….glb
+    std::string url;  // /v1/content/….glb
 };
 
 struct Asset {
     std::string id;
     std::string name;
-    std::string kind;                // "mesh", "scene", "terrain", "points"
+    std::string kind;  // "mesh", "scene", "terrain", "points"
     std::uint64_t triangles = 0;
     std::uint64_t vertices = 0;
     AssetStatus status = AssetStatus::baking;
-    std::string error;               // why, where status is failed
+    std::string error;  // why, where status is failed
     double bake_ms = 0.0;
-    double progress = 0.0;           // of the bake, [0,1]
+    double progress = 0.0;  // of the bake, [0,1]
     std::uint64_t peak_memory_bytes = 0;
+    std::optional<std::array<double, 3>> bounds_min;  // of the full model: world axes, model units, y up
+    std::optional<std::array<double, 3>> bounds_max;
     std::vector<Level> levels;
     std::vector<std::string> warnings;
 };
 
 struct PlanRequest {
-    std::string asset;               // id or name
-    budget::Request budget;          // device, display, preference, network, reference
+    std::string asset;       // id or name
+    budget::Request budget;  // device, display, preference, network, reference
     std::optional<shading::View> view;
     Profile profile = Profile::plain;
     ShadingMode shading = ShadingMode::hybrid;
@@ -81,7 +86,7 @@ struct PlanResponse {
         std::uint64_t gouraud = 0;
         std::uint64_t flat = 0;
         budget::Operations operations;
-        std::string mode;                    // what was sent: "hybrid", "gouraud" or "flat"
+        std::string mode;  // what was sent: "hybrid", "gouraud" or "flat"
     } shading;
     struct {
         std::string url;
@@ -91,10 +96,10 @@ struct PlanResponse {
     } content;
     std::vector<LeftOut> left_out;
     struct {
-        double plan = 0.0;    // ms, all of it
-        double cut = 0.0;     // ms, 0 where the level was in the store
-        double encode = 0.0;  // ms, 0 where the level was in the store
-        double measure = 0.0; // ms, of the level's error; 0 where it was known
+        double plan = 0.0;     // ms, all of it
+        double cut = 0.0;      // ms, 0 where the level was in the store
+        double encode = 0.0;   // ms, 0 where the level was in the store
+        double measure = 0.0;  // ms, of the level's error; 0 where it was known
     } timing_ms;
     std::vector<std::string> warnings;
 };
@@ -109,21 +114,23 @@ struct Problem {
 
 inline constexpr std::size_t max_json_depth = 32;
 
-Result<PlanRequest> parse_plan_request(std::string_view json);   // invalid_input names the field: "device.cpu_mhz must be > 0"
+Result<PlanRequest> parse_plan_request(
+    std::string_view json);  // invalid_input names the field: "device.cpu_mhz must be > 0"
 Result<PlanResponse> parse_plan_response(std::string_view json);
 Result<std::vector<Asset>> parse_assets(std::string_view json);  // {"assets":[…]}
 Result<Asset> parse_asset(std::string_view json);
 Result<Problem> parse_problem(std::string_view json);
-// A device file of the client: the plan request without its asset, as in `{"device":…,"display":…,…}`; a bare device report too.
+// A device file of the client: the plan request without its asset, as in `{"device":…,"display":…,…}`; a bare device
+// report too.
 Result<PlanRequest> parse_device_file(std::string_view json);
 
 std::string to_json(const PlanRequest& request);
 std::string to_json(const PlanResponse& response);
 std::string to_json(const Asset& asset);
-std::string to_json(const std::vector<Asset>& assets);           // {"assets":[…]}
+std::string to_json(const std::vector<Asset>& assets);  // {"assets":[…]}
 std::string to_json(const Problem& problem);
 
-Problem problem_of(const Error& error);                          // ErrorCode to HTTP status and title
+Problem problem_of(const Error& error);  // ErrorCode to HTTP status and title
 
 const char* status_name(AssetStatus status);
 const char* profile_name(Profile profile);

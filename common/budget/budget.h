@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/math.h"
 #include "common/base/result.h"
@@ -55,12 +56,22 @@ struct Reference {
     std::optional<std::uint64_t> triangles;        // NPP, >= 1; absent: 1,000,000 / target_fps, at most the asset
 };
 
+// Measured size of one encoded level.
+struct EncodedSize {
+    std::uint64_t triangles = 0;
+    std::uint64_t bytes = 0;
+};
+
 // What the asset costs, for the limits that are not the device's.
 struct AssetCost {
-    std::uint64_t triangles = 0;          // of the full model
-    double bytes_per_triangle = 0.0;      // of an encoded level, measured at bake; 0: unknown, the network does not limit
-    double fixed_bytes = 0.0;             // of a level whatever its triangles: header, materials, textures
+    std::uint64_t triangles = 0;       // of the full model
+    std::vector<EncodedSize> sizes;    // of its ladder, finest first, falling; empty: the network does not limit
+    double bytes_factor = 1.0;         // > 0; what the sizes are to be multiplied by
 };
+
+// The most triangles whose level is expected to have at most `bytes`: piecewise linear between the measured sizes, the
+// first and the last interval continued. May be negative: not even an empty level fits. +infinity without sizes.
+double triangles_within_bytes(const AssetCost& asset, double bytes);
 
 struct Request {
     DeviceReport device;
@@ -90,6 +101,9 @@ double capacity_mhz(const DeviceReport& device);
 // Table 2's upper figure (good quality at full preference) for a display of `pixels`: piecewise linear between its rows,
 // continued by the first row's triangles per pixel below and by the last interval's slope above. Never negative.
 double triangles_for_display(double pixels);
+
+// Bytes over what the network carries in max_wait_s; above 1: too many. 0 where no network is given.
+double network_excess(const Request& request, std::uint64_t bytes);
 
 // Refuses with a message that names the field: non-finite numbers, zero or negative where the header says > 0.
 Status validate(const Request& request);

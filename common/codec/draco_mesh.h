@@ -12,19 +12,19 @@
 
 namespace lodestream::codec {
 
-// A decoded attribute: `components` numbers a point, converted to double-free float or left as integers by the caller's choice.
+// A decoded attribute: `components` floats a point. Attributes of more than four components are not read.
 struct DracoAttribute {
     enum class Semantic { position, normal, color, texture_coordinate, generic };
     Semantic semantic = Semantic::generic;
-    int components = 0;            // 1 … 4
-    bool normalized = false;       // integer data that stands for [0,1] or [-1,1]
-    std::vector<float> values;     // components * points; integers are converted, normalized ones scaled
+    int components = 0;         // 1 … 4
+    bool normalized = false;    // integer data that stands for [0,1] or [-1,1]
+    std::vector<float> values;  // components * points; integers are converted, normalized ones scaled
 };
 
 struct DracoMesh {
     std::uint32_t points = 0;
-    std::vector<mesh::Triangle> triangles;                 // empty for a point cloud
-    std::map<std::uint32_t, DracoAttribute> attributes;    // by Draco's unique id
+    std::vector<mesh::Triangle> triangles;               // empty for a point cloud
+    std::map<std::uint32_t, DracoAttribute> attributes;  // by Draco's unique id
 };
 
 // Decodes hostile bytes. Errors: invalid_input (damaged, truncated), limit_exceeded (more than max_points or faces).

@@ -27,7 +27,13 @@ struct QuantizationGrid {
 inline constexpr int min_position_bits = 6;
 inline constexpr int max_position_bits = 20;
 
-// The grid around `bounds` whose step adds at most a quarter of `error` (and always resolves 1/16 of the mean edge length).
+// The step always resolves 1/16 of the mean edge, and never more than 1/64 of it: a finer one no longer tilts a
+// triangle by as much as 8-bit normals do, and its bytes buy less than the same bytes of triangles would.
+inline constexpr double coarsest_steps_per_edge = 16.0;
+inline constexpr double finest_steps_per_edge = 64.0;
+
+// The grid around `bounds` whose step moves a vertex by at most a quarter of `error` within the limits above. Levels of
+// one asset that are given the same `bounds` differ in `bits` alone. Where neither length is positive: the most bits.
 QuantizationGrid choose_grid(const Box& bounds, double error, double mean_edge_length);
 
 struct EncodeOptions {
@@ -40,8 +46,8 @@ struct EncodeOptions {
 struct Encoded {
     std::vector<std::byte> glb;
     std::uint64_t triangles = 0;
-    std::uint64_t vertices = 0;     // as decoded, summed over the primitives
-    std::uint64_t geometry_bytes = 0;  // of the Draco streams
+    std::uint64_t vertices = 0;                                   // as decoded, summed over the primitives
+    std::uint64_t geometry_bytes = 0;                             // of the Draco streams
     std::vector<std::pair<std::string, std::uint64_t>> left_out;  // what, and the bytes that it would have cost
 };
 
@@ -61,17 +67,19 @@ struct Decoded {
     std::string extras_json;
 };
 
-// Encodes `level` with the materials and images of `model` that it uses. `gouraud[t]` != 0: triangle t is Gouraud shaded.
-// Leaves out texture coordinates where no used texture reads them, colours that are constant (moved into the material),
-// and unused materials and images. The result has been decoded again and compared with `level`: same triangles,
-// positions within half a grid step, borders identical. Errors: invalid_input (too many triangles, not finite), internal.
+// Encodes `level` with the materials and images of `model` that it uses. `gouraud[t]` != 0: triangle t is Gouraud
+// shaded. Leaves out texture coordinates where no used texture reads them, colours that are constant (moved into the
+// material), and unused materials and images. The result has been decoded again and compared with `level`: same
+// triangles, positions within half a grid step, borders identical. Errors: invalid_input (too many triangles, not
+// finite), internal.
 Result<Encoded> encode_level(const mesh::Model& model, const mesh::Mesh& level, std::span<const std::uint8_t> gouraud,
                              const EncodeOptions& options);
 
 inline constexpr std::uint64_t max_decoded_triangles = 100'000'000;
 inline constexpr std::uint64_t max_decoded_vertices = 100'000'000;
 
-// Reads what encode_level wrote. The bytes are hostile: any damage is an error, never a crash or an unbounded allocation.
+// Reads what encode_level wrote. The bytes are hostile: any damage is an error, never a crash or an unbounded
+// allocation.
 Result<Decoded> decode_level(std::span<const std::byte> glb);
 
 }  // namespace lodestream::codec

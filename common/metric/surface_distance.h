@@ -31,6 +31,7 @@ class SurfaceIndex {
     const std::vector<Vec3f>& samples() const;
 
   private:
+    friend SurfaceError measure(const SurfaceIndex& original, const mesh::Mesh& original_mesh, const mesh::Mesh& level);
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

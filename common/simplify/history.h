@@ -1,5 +1,5 @@
-// Record, then cut: one decimation pass over a mesh records who merged into whom, and any level is read off that record.
-// The engine behind record_history() is OpenMesh; nothing else of the project knows.
+// Record, then cut: one decimation pass over a mesh records who merged into whom, and any level is read off that
+// record. The engine behind record_history() is OpenMesh; nothing else of the project knows.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,8 @@
-// Requests to responses, without sockets: what each call of the contract does. Pure but for the store, the planner and the
-// bake queue behind it, so tests call it directly.
+// Requests to responses, without sockets: what each call of the contract does. Pure but for the store, the planner and
+// the bake queue behind it, so tests call it directly.
 #pragma once
 
-#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -21,7 +21,7 @@ namespace lodestream::http {
 // A request as the transport hands it over; header names in lower case.
 struct Request {
     std::string method;
-    std::string path;                              // without the query, percent-decoded
+    std::string path;  // without the query, percent-decoded
     std::map<std::string, std::string> query;
     std::map<std::string, std::string> headers;
     std::vector<std::byte> body;
@@ -29,32 +29,40 @@ struct Request {
 
 struct Response {
     int status = 200;
-    std::map<std::string, std::string> headers;    // content-type, etag, …
+    std::map<std::string, std::string> headers;  // content-type, etag, …
     std::string body;
-    std::optional<store::StoredFile> file;         // instead of body: the transport streams [offset, offset+length)
+    std::optional<store::StoredFile> file;  // instead of body: the transport streams [offset, offset+length)
     std::uint64_t file_offset = 0;
     std::uint64_t file_length = 0;
 };
 
 struct ServiceOptions {
-    std::string token;                             // empty: POST and DELETE of assets are open
+    std::string token;  // empty: POST and DELETE of assets are open
 };
 
 class Service {
   public:
     Service(store::Store& store, planner::Planner& planner, BakeQueue& bakes, ServiceOptions options);
+    ~Service();
 
     // Never throws; an unexpected failure is a 500 problem.
-    Response handle(const Request& request);
+    Response handle(Request request);
 
-    void stop_accepting();                         // /readyz turns 503 while the server drains
+    // What the header alone decides, so that no body is read for it: no such call, wrong method, token, media type.
+    std::optional<Response> refuse_early(const Request& head);
+
+    // The answer to bytes that never became a request (malformed, too large, too many); counted like the others.
+    Response refuse(int status, const std::string& detail);
+
+    static bool is_heavy(
+        const Request& head);  // computes or waits for the disk: not for the threads that serve content
+    static bool is_upload(const Request& head);  // its body is a model, not JSON
+
+    void stop_accepting();  // /readyz turns 503 while the server drains
 
   private:
-    store::Store& store_;
-    planner::Planner& planner_;
-    BakeQueue& bakes_;
-    ServiceOptions options_;
-    std::atomic<bool> stopping_{false};
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace lodestream::http

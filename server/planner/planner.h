@@ -6,34 +6,28 @@
 #include <string_view>
 
 #include "common/base/result.h"
+#include "common/mesh/mesh.h"
+#include "common/metric/surface_distance.h"
 #include "proto/messages.h"
-#include "server/bake/bake.h"
 #include "server/store/store.h"
 
 namespace lodestream::planner {
 
-// One cut of an asset, encoded as asked.
-struct CutRequest {
-    std::uint64_t triangles = 0;
-    double distance = 0.0;                // d in [0,1]; sets the Gouraud share where mode is hybrid
-    shading::View view;                   // for the split's order; world axes
-    proto::ShadingMode mode = proto::ShadingMode::hybrid;
-};
-
-// Plans against a store. Keeps the baked models used last in memory, at most max_cached_bytes. All calls may come from any thread.
+// Plans against a store. Keeps the baked models used last in memory. All calls may come from any thread.
 class Planner {
   public:
     explicit Planner(store::Store& store);
     ~Planner();
 
-    // The whole answer; level and content come from the store where the same plan was made before.
-    // Errors: not_found (asset), unavailable (still baking), invalid_input.
+    // The whole answer. The same level, split and encoding asked for again come from the store.
+    // Errors: not_found (asset), unavailable (still baking), conflict (its bake failed), invalid_input, unsupported (profile).
     Result<proto::PlanResponse> plan(const proto::PlanRequest& request);
 
-    // A level of at most `triangles` with its measured error, without content.
+    // The level of at most `triangles` (>= 1) of a baked asset, with its measured error.
     struct Cut {
-        mesh::Mesh mesh;
+        mesh::Model model;             // the level's mesh with the asset's materials, images and origin
         metric::SurfaceError error;
+        double rms_error_percent = 0.0;
         double cut_ms = 0.0;
         double measure_ms = 0.0;
     };
@@ -45,7 +39,5 @@ class Planner {
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
-
-inline constexpr std::uint64_t max_cached_bytes = 2ull << 30;
 
 }  // namespace lodestream::planner

@@ -4,8 +4,9 @@
 //   DIR/content/ab/abcd….ext immutable files named by the SHA-256 of their bytes
 //   DIR/incoming/            files being written; emptied at start
 //
-// A file is written to incoming/, flushed and renamed into place before the catalogue names it, so a crash at any instant
-// leaves either nothing or the whole. What the catalogue does not name is swept at start. All calls may come from any thread.
+// A file is written to incoming/, flushed and renamed into place before the catalogue names it, so a crash at any
+// instant leaves either nothing or the whole. What the catalogue does not name is swept at start. All calls may come
+// from any thread.
 #pragma once
 
 #include <cstddef>
@@ -24,33 +25,38 @@
 namespace lodestream::store {
 
 struct StoredFile {
-    std::string hash;             // 64 lower-case hex digits
+    std::string hash;  // 64 lower-case hex digits
     std::uint64_t bytes = 0;
     std::filesystem::path path;
 };
 
 class Store {
   public:
-    // Creates the folder and the catalogue where missing, sweeps what a crash left. Errors: io; conflict (made by a newer version).
+    // Creates the folder and the catalogue where missing, sweeps what a crash left. Errors: io; conflict (made by a
+    // newer version).
     static Result<Store> open(const std::filesystem::path& folder);
     ~Store();
     Store(Store&&) noexcept;
     Store& operator=(Store&&) noexcept;
 
     // Assets. `id` is the store's key; names are unique. The catalogue keeps Asset as its JSON.
-    Status put_asset(const proto::Asset& asset);                        // insert or replace by id; conflict: name taken by another id
-    Result<proto::Asset> asset(std::string_view id_or_name) const;      // not_found
-    Result<std::vector<proto::Asset>> assets() const;                   // by name
-    Status remove_asset(std::string_view id);                           // with its keys; files no asset names any more go too
+    Status put_asset(const proto::Asset& asset);  // insert or replace by id; conflict: name taken by another id
+    Result<proto::Asset> asset(std::string_view id_or_name) const;  // not_found
+    Result<std::vector<proto::Asset>> assets() const;               // by name
+    Status remove_asset(std::string_view id);  // with its keys; files no asset names any more go too
 
-    // Bytes an asset owns under a key unique to it ("bake", "source", "level/1024/…"). Writing the same key again replaces it.
-    // `record` is free text kept beside it (JSON of the plan's figures).
+    // Bytes an asset owns under a key unique to it ("bake", "source", "level/1024/…"). Writing the same key again
+    // replaces it. `record` is free text kept beside it (JSON of the plan's figures).
     Result<StoredFile> put_content(std::string_view asset_id, std::string_view key, std::string_view extension,
                                    std::span<const std::byte> bytes, std::string_view record = {});
-    struct Content { StoredFile file; std::string record; };
+    struct Content {
+        StoredFile file;
+        std::string record;
+    };
     Result<Content> content(std::string_view asset_id, std::string_view key) const;  // not_found
 
-    // Bytes by their hash, for HTTP. not_found for anything that is not 64 hex digits of a stored file with this extension.
+    // Bytes by their hash, for HTTP. not_found for anything that is not 64 hex digits of a stored file with this
+    // extension.
     Result<StoredFile> file(std::string_view hash, std::string_view extension) const;
 
     // A quick check that the disk takes writes; for /readyz.

@@ -1,0 +1,93 @@
+// The `lodestream-client` program: reads the command line and calls the command.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <functional>
+#include <string>
+
+#include "client/render/image.h"
+#include "client/report/report.h"
+#include "client/sdk/client.h"
+#include "client/view_command.h"
+
+namespace {
+
+using namespace lodestream;
+
+constexpr int exit_failed = 1;
+constexpr int exit_usage = 2;
+
+int run(int argc, char** argv) {
+    CLI::App app{"Lodestream client: shows and measures what a device gets of a 3D asset."};
+    app.set_version_flag("--version", "lodestream-client " LODESTREAM_VERSION);
+    app.require_subcommand(1);
+    app.footer(
+        "Examples:\n"
+        "  lodestream-client view --server http://127.0.0.1:8080 --asset teapot --device deploy/devices/pda.json --out "
+        "pda.png\n"
+        "  lodestream-client view --server http://127.0.0.1:8080 --asset teapot --device deploy/devices/phone.json \\\n"
+        "      --out flat.png --width 320 --height 240 --shading flat --json\n"
+        "  lodestream-client report --out report --quick\n"
+        "Run 'lodestream-client COMMAND --help' for one command's options.");
+    std::function<Status()> command;
+
+    const CLI::Validator is_server(
+        [](const std::string& url) {
+            const auto parsed = sdk::parse_server_url(url);
+            return parsed ? std::string() : parsed.error().message;
+        },
+        "URL");
+    client::ViewArguments view;
+    const CLI::Range sides(1u, render::max_image_side);
+    CLI::App* view_app = app.add_subcommand("view", "Draw an asset as a device gets it into a PNG file");
+    view_app->add_option("--server", view.server, "http://HOST:PORT")->required()->check(is_server);
+    view_app->add_option("--asset", view.asset, "Name or id of the asset")->required();
+    view_app->add_option("--device", view.device, "Device file: {\"device\":{\"cpu_mhz\":…},\"display\":{…},…}")
+        ->required();
+    view_app->add_option("--out", view.out, "The picture, FILE.png")->required();
+    view_app->add_option("--width", view.width, "px; left out: the device's display, else 800")->check(sides);
+    view_app->add_option("--height", view.height, "px; left out: the device's display, else 600")->check(sides);
+    view_app->add_option("--shading", view.shading, "hybrid as planned, or all triangles alike to compare with")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"hybrid", "gouraud", "flat"}));
+    view_app->add_flag("--json", view.json, "Print plan, triangles, bytes and times as JSON");
+    view_app->footer(
+        "Example:\n  lodestream-client view --server http://127.0.0.1:8080 --asset teapot \\\n"
+        "      --device deploy/devices/pda.json --out pda.png");
+    view_app->callback([&] { command = [&] { return client::view(view); }; });
+
+    report::ReportOptions report;
+    for (int i = 0; i < argc; ++i) report.command_line += (i > 0 ? " " : "") + std::string(argv[i]);
+    CLI::App* report_app =
+        app.add_subcommand("report", "Error against run time for every stage, as report.html and report.json");
+    report_app->add_option("--out", report.out, "Folder to write; made where missing")->required();
+    CLI::Option* assets =
+        report_app->add_option("--assets", report.assets, "Folder of models to add to the built-in samples");
+    report_app->add_option("--server", report.server_url, "http://HOST:PORT; left out: a server of its own")
+        ->check(is_server)
+        ->excludes(assets);
+    report_app->add_flag("--quick", report.quick, "Fewer and smaller models, fewer frames");
+    report_app->add_flag("--json", report.json, "Print report.json instead of the table");
+    report_app->footer("Example:\n  lodestream-client report --out report --quick");
+    report_app->callback([&] { command = [&] { return report::run(report); }; });
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : exit_usage;
+    }
+    const Status done = command();
+    if (done) return 0;
+    std::fprintf(stderr, "lodestream-client: %s\n", done.error().message.c_str());
+    return exit_failed;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "lodestream-client: %s\n", error.what());
+        return exit_failed;
+    }
+}

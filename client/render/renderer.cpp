@@ -1,0 +1,546 @@
+#include "client/render/renderer.h"
+
+#include <GLES3/gl3.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <new>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/render/scene.h"
+#include "client/render/shaders.h"
+
+namespace lodestream::render {
+namespace {
+
+enum Location : GLuint {
+    location_position,
+    location_color,
+    location_texture_coordinate,
+    location_normal_or_previous,
+    location_first
+};
+
+struct Program {
+    GLuint id = 0;
+    GLint clip_from_scene = -1, eye = -1, to_light = -1, phong = -1, base_color = -1, emissive = -1, alpha_cutoff = -1;
+};
+
+// What one draw call needs.
+struct Batch {
+    bool flat = false;
+    std::uint32_t material = 0;
+    GLuint vertex_array = 0;
+    std::vector<GLuint> buffers;
+    GLsizei corners = 0;
+    Vec3d center{0.0};
+};
+
+struct Target {
+    std::uint32_t width = 0, height = 0, samples = 0;
+    GLuint framebuffer = 0, color = 0, depth = 0;
+};
+
+Error out_of_memory(const std::string& what) {
+    return fail(ErrorCode::limit_exceeded, "the graphics driver has no memory for " + what);
+}
+
+// Also forgets errors from before, which are another caller's.
+bool gl_failed() {
+    bool failed = false;
+    while (glGetError() != GL_NO_ERROR) failed = true;
+    return failed;
+}
+
+Result<GLuint> compile(GLenum stage, const char* define, const char* source) {
+    const GLuint shader = glCreateShader(stage);
+    const std::array<const char*, 3> parts{shader_version, define, source};
+    glShaderSource(shader, static_cast<GLsizei>(parts.size()), parts.data(), nullptr);
+    glCompileShader(shader);
+    GLint compiled = GL_FALSE;
+    glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+    if (compiled) return shader;
+    std::array<char, 512> log{};
+    glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
+    glDeleteShader(shader);
+    return fail(ErrorCode::internal, std::string("shader: ") + log.data());
+}
+
+Result<Program> link(const char* define) {
+    const auto vertex = compile(GL_VERTEX_SHADER, define, vertex_shader);
+    if (!vertex) return vertex.error();
+    const auto fragment = compile(GL_FRAGMENT_SHADER, define, fragment_shader);
+    if (!fragment) {
+        glDeleteShader(*vertex);
+        return fragment.error();
+    }
+    Program program;
+    program.id = glCreateProgram();
+    glAttachShader(program.id, *vertex);
+    glAttachShader(program.id, *fragment);
+    glLinkProgram(program.id);
+    glDeleteShader(*vertex);
+    glDeleteShader(*fragment);
+    GLint linked = GL_FALSE;
+    glGetProgramiv(program.id, GL_LINK_STATUS, &linked);
+    if (!linked) {
+        glDeleteProgram(program.id);
+        return fail(ErrorCode::internal, "shader program does not link");
+    }
+    const auto uniform = [&](const char* name) { return glGetUniformLocation(program.id, name); };
+    program.clip_from_scene = uniform("u_clip_from_scene");
+    program.eye = uniform("u_eye");
+    program.to_light = uniform("u_to_light");
+    program.phong = uniform("u_phong");
+    program.base_color = uniform("u_base_color");
+    program.emissive = uniform("u_emissive");
+    program.alpha_cutoff = uniform("u_alpha_cutoff");
+    glUseProgram(program.id);
+    glUniform1i(uniform("u_base_color_texture"), 0);
+    glUniform1i(uniform("u_emissive_texture"), 1);
+    return program;
+}
+
+GLuint make_texture(std::uint32_t width, std::uint32_t height, const std::uint8_t* rgba) {
+    GLuint texture = 0;
+    glGenTextures(1, &texture);
+    glBindTexture(GL_TEXTURE_2D, texture);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8_ALPHA8, static_cast<GLsizei>(width), static_cast<GLsizei>(height), 0,
+                 GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glGenerateMipmap(GL_TEXTURE_2D);
+    return texture;
+}
+
+GLint wrap_mode(mesh::Wrap wrap) {
+    switch (wrap) {
+        case mesh::Wrap::clamp_to_edge:
+            return GL_CLAMP_TO_EDGE;
+        case mesh::Wrap::mirrored_repeat:
+            return GL_MIRRORED_REPEAT;
+        case mesh::Wrap::repeat:
+            break;
+    }
+    return GL_REPEAT;
+}
+
+void attribute(GLuint location, GLint components, GLenum type, bool normalized, std::size_t stride,
+               std::size_t offset) {
+    glEnableVertexAttribArray(location);
+    glVertexAttribPointer(location, components, type, normalized ? GL_TRUE : GL_FALSE, static_cast<GLsizei>(stride),
+                          reinterpret_cast<const void*>(offset));
+}
+
+template <class T>
+std::uint64_t add_buffer(Batch& batch, GLenum target, const std::vector<T>& data) {
+    GLuint buffer = 0;
+    glGenBuffers(1, &buffer);
+    batch.buffers.push_back(buffer);
+    glBindBuffer(target, buffer);
+    glBufferData(target, static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(), GL_STATIC_DRAW);
+    return data.size() * sizeof(T);
+}
+
+// Returns the bytes that the buffers take.
+std::uint64_t fill(Batch& batch, const Streams& streams) {
+    constexpr std::size_t corner = sizeof(Vec3f);
+    glGenVertexArrays(1, &batch.vertex_array);
+    glBindVertexArray(batch.vertex_array);
+    std::uint64_t bytes = add_buffer(batch, GL_ARRAY_BUFFER, streams.positions);
+    if (batch.flat) {
+        attribute(location_first, 3, GL_FLOAT, false, corner, 0);
+        attribute(location_normal_or_previous, 3, GL_FLOAT, false, corner, corner);
+        attribute(location_position, 3, GL_FLOAT, false, corner, flat_padding * corner);
+    } else {
+        attribute(location_position, 3, GL_FLOAT, false, corner, 0);
+        bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.normals);
+        attribute(location_normal_or_previous, 3, GL_FLOAT, false, corner, 0);
+        bytes += add_buffer(batch, GL_ELEMENT_ARRAY_BUFFER, streams.indices);
+    }
+    if (!streams.colors.empty()) {
+        bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.colors);
+        attribute(location_color, 4, GL_UNSIGNED_BYTE, true, sizeof(Rgba8), 0);
+    }
+    if (!streams.texture_coordinates.empty()) {
+        bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.texture_coordinates);
+        attribute(location_texture_coordinate, 2, GL_FLOAT, false, sizeof(Vec2f), 0);
+    }
+    glBindVertexArray(0);
+    batch.center = streams.center;
+    return bytes;
+}
+
+void release(Batch& batch) {
+    glDeleteBuffers(static_cast<GLsizei>(batch.buffers.size()), batch.buffers.data());
+    glDeleteVertexArrays(1, &batch.vertex_array);
+}
+
+void release(Target& target) {
+    glDeleteFramebuffers(1, &target.framebuffer);
+    glDeleteRenderbuffers(1, &target.color);
+    glDeleteRenderbuffers(1, &target.depth);
+    target = {};
+}
+
+GLuint make_renderbuffer(const Target& target, GLenum format) {
+    GLuint id = 0;
+    glGenRenderbuffers(1, &id);
+    glBindRenderbuffer(GL_RENDERBUFFER, id);
+    glRenderbufferStorageMultisample(GL_RENDERBUFFER, target.samples > 1 ? static_cast<GLsizei>(target.samples) : 0,
+                                     format, static_cast<GLsizei>(target.width), static_cast<GLsizei>(target.height));
+    return id;
+}
+
+// `samples` = 1 without depth is what a multisampled picture is resolved into.
+bool resize(Target& target, std::uint32_t width, std::uint32_t height, std::uint32_t samples, bool with_depth) {
+    if (target.width == width && target.height == height && target.samples == samples) return true;
+    release(target);
+    gl_failed();
+    target = {width, height, samples, 0, 0, 0};
+    target.color = make_renderbuffer(target, GL_SRGB8_ALPHA8);
+    if (with_depth) target.depth = make_renderbuffer(target, GL_DEPTH_COMPONENT24);
+    glGenFramebuffers(1, &target.framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color);
+    if (with_depth) glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth);
+    const bool complete = !gl_failed() && glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+    if (!complete) release(target);
+    return complete;
+}
+
+double median(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+bool valid_image(const mesh::TextureReference& reference, std::size_t images) {
+    return reference.image >= 0 && static_cast<std::size_t>(reference.image) < images;
+}
+
+bool is_textured(const mesh::Material& material, std::size_t images) {
+    return valid_image(material.base_color_texture, images) || valid_image(material.emissive_texture, images);
+}
+
+// OpenGL's rows run upwards.
+void flip_rows(Image& image) {
+    const std::size_t row = std::size_t{image.width} * 4;
+    for (std::size_t y = 0; y < image.height / 2; ++y) {
+        const auto top = image.rgba.begin() + static_cast<std::ptrdiff_t>(y * row);
+        const auto bottom = image.rgba.begin() + static_cast<std::ptrdiff_t>((image.height - 1 - y) * row);
+        std::swap_ranges(top, top + static_cast<std::ptrdiff_t>(row), bottom);
+    }
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+    Program gouraud, flat;
+    GLuint white_texture = 0;
+    GLint max_side = 0, max_driver_samples = 1, max_texture_side = 0;
+    Target target, resolved;
+
+    std::vector<Batch> batches;  // opaque and masked by material, then blended ones
+    std::vector<mesh::Material> materials;
+    std::vector<GLuint> textures;  // one an image; the white one where it could not be decoded
+    Placement placement;
+    Vec3d origin{0.0};
+    UploadStatistics uploaded;
+
+    Impl() = default;
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+    ~Impl() {
+        clear();
+        release(target);
+        release(resolved);
+        glDeleteTextures(1, &white_texture);
+        glDeleteProgram(gouraud.id);
+        glDeleteProgram(flat.id);
+    }
+
+    Status create();
+    void clear();
+    std::vector<std::string> upload_textures(const std::vector<mesh::Image>& images);
+    Result<UploadStatistics> upload(const codec::Decoded& content);
+    Status check(const DrawOptions& options) const;
+    Status prepare_targets(const DrawOptions& options);
+    void set_camera(const Program& program, const Camera& camera, const shading::Phong& phong) const;
+    void bind_texture(GLenum unit, const mesh::TextureReference& reference) const;
+    void set_material(const Program& program, const mesh::Material& material) const;
+    void draw_batch(const Batch& batch) const;
+    void sort_blended(const Camera& camera);
+    void draw_frame(const Camera& camera, const DrawOptions& options);
+    Image read_back(const DrawOptions& options) const;
+};
+
+Status Renderer::Impl::create() {
+    if (!glGetString(GL_VERSION)) return fail(ErrorCode::unavailable, "no OpenGL ES 3 context is current");
+    gl_failed();
+    auto smooth_program = link("\n");
+    if (!smooth_program) return smooth_program.error();
+    gouraud = *smooth_program;
+    auto flat_program = link("#define FLAT\n");
+    if (!flat_program) return flat_program.error();
+    flat = *flat_program;
+    const std::array<std::uint8_t, 4> white{255, 255, 255, 255};
+    white_texture = make_texture(1, 1, white.data());
+    GLint renderbuffer_side = 0;
+    std::array<GLint, 2> viewport_side{};
+    glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &renderbuffer_side);
+    glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport_side.data());
+    glGetIntegerv(GL_MAX_SAMPLES, &max_driver_samples);
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &max_texture_side);
+    max_side = std::min({renderbuffer_side, viewport_side[0], viewport_side[1], static_cast<GLint>(max_image_side)});
+    if (gl_failed() || max_side < 1) return fail(ErrorCode::unavailable, "the current context is not OpenGL ES 3");
+    return Nothing{};
+}
+
+void Renderer::Impl::clear() {
+    for (Batch& batch : batches) release(batch);
+    for (GLuint texture : textures)
+        if (texture != white_texture) glDeleteTextures(1, &texture);
+    batches.clear();
+    textures.clear();
+    materials.clear();
+    placement = {};
+    origin = Vec3d{0.0};
+    uploaded = {};
+}
+
+std::vector<std::string> Renderer::Impl::upload_textures(const std::vector<mesh::Image>& images) {
+    std::vector<std::string> warnings;
+    textures.assign(images.size(), white_texture);
+    std::vector<bool> used(images.size(), false);
+    for (const mesh::Material& material : materials)
+        for (const auto* reference : {&material.base_color_texture, &material.emissive_texture})
+            if (valid_image(*reference, images.size())) used[static_cast<std::size_t>(reference->image)] = true;
+    std::uint64_t texels = 0;
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        if (!used[i]) continue;
+        const std::string where = "image " + std::to_string(i) + " is drawn white: ";
+        auto image = decode_image(images[i].bytes);
+        if (!image) {
+            warnings.push_back(where + image.error().message);
+            continue;
+        }
+        const bool too_wide = std::max(image->width, image->height) > static_cast<std::uint32_t>(max_texture_side);
+        if (too_wide || texels + image->pixels() > max_texture_texels) {
+            warnings.push_back(where + "larger than the driver or the limit for a level's textures allows");
+            continue;
+        }
+        texels += image->pixels();
+        textures[i] = make_texture(image->width, image->height, image->rgba.data());
+        uploaded.texture_bytes += image->rgba.size();
+    }
+    return warnings;
+}
+
+Result<UploadStatistics> Renderer::Impl::upload(const codec::Decoded& content) {
+    if (auto sound = check_drawable(content); !sound) return sound.error();
+    clear();
+    gl_failed();
+    placement = place(content);
+    origin = content.origin;
+    materials = content.materials;
+    auto warnings = upload_textures(content.images);
+    for (const codec::Primitive& primitive : content.primitives) {
+        const std::size_t triangles = primitive.mesh.triangles.size();
+        if (triangles == 0) continue;
+        if (triangles > codec::max_decoded_triangles)
+            return fail(ErrorCode::limit_exceeded, "too many triangles to draw");
+        const bool is_flat = primitive.shading == codec::Shading::flat;
+        const bool textured = is_textured(materials[primitive.material], content.images.size());
+        Batch batch;
+        batch.flat = is_flat;
+        batch.material = primitive.material;
+        batch.corners = static_cast<GLsizei>(triangles * 3);
+        const Streams streams = is_flat ? flat_streams(primitive.mesh, placement, textured)
+                                        : gouraud_streams(primitive.mesh, placement, textured);
+        uploaded.geometry_bytes += fill(batch, streams);
+        uploaded.triangles += triangles;
+        if (!is_flat) {
+            uploaded.gouraud_triangles += triangles;
+            uploaded.gouraud_vertices += streams.positions.size();
+        }
+        batches.push_back(std::move(batch));
+    }
+    if (gl_failed()) return out_of_memory(std::to_string(uploaded.triangles) + " triangles");
+    const auto blended = [&](const Batch& b) { return materials[b.material].alpha_mode == mesh::AlphaMode::blend; };
+    std::stable_sort(batches.begin(), batches.end(), [&](const Batch& a, const Batch& b) {
+        return std::tuple(blended(a), a.flat, a.material) < std::tuple(blended(b), b.flat, b.material);
+    });
+    Result<UploadStatistics> result(uploaded);
+    result.warnings = std::move(warnings);
+    return result;
+}
+
+Status Renderer::Impl::check(const DrawOptions& options) const {
+    if (options.width == 0 || options.height == 0)
+        return invalid_input("a picture needs a width and a height of at least 1 px");
+    const auto side = static_cast<std::uint32_t>(max_side);
+    if (options.width > side || options.height > side ||
+        std::uint64_t{options.width} * options.height > max_image_pixels)
+        return fail(ErrorCode::limit_exceeded, "a picture of " + std::to_string(options.width) + "x" +
+                                                   std::to_string(options.height) + " px is too large to draw");
+    if (options.samples == 0 || options.samples > max_samples) return invalid_input("samples must be 1 to 8");
+    if (options.frames == 0) return invalid_input("frames must be at least 1");
+    return Nothing{};
+}
+
+Status Renderer::Impl::prepare_targets(const DrawOptions& options) {
+    const auto samples = std::min(options.samples, static_cast<std::uint32_t>(std::max(max_driver_samples, 1)));
+    const bool ready = resize(target, options.width, options.height, samples, true) &&
+                       (samples == 1 || resize(resolved, options.width, options.height, 1, false));
+    if (!ready)
+        return out_of_memory("a picture of " + std::to_string(options.width) + "x" + std::to_string(options.height));
+    return Nothing{};
+}
+
+void Renderer::Impl::set_camera(const Program& program, const Camera& camera, const shading::Phong& phong) const {
+    glUseProgram(program.id);
+    glUniformMatrix4fv(program.clip_from_scene, 1, GL_FALSE, &camera.clip_from_scene[0][0]);
+    glUniform3f(program.eye, camera.eye.x, camera.eye.y, camera.eye.z);
+    glUniform3f(program.to_light, camera.to_light.x, camera.to_light.y, camera.to_light.z);
+    glUniform4f(program.phong, static_cast<float>(phong.ambient), static_cast<float>(phong.diffuse),
+                static_cast<float>(phong.specular), static_cast<float>(phong.shininess));
+}
+
+void Renderer::Impl::bind_texture(GLenum unit, const mesh::TextureReference& reference) const {
+    glActiveTexture(unit);
+    const bool has_image = valid_image(reference, textures.size());
+    glBindTexture(GL_TEXTURE_2D, has_image ? textures[static_cast<std::size_t>(reference.image)] : white_texture);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap_mode(reference.wrap_s));
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap_mode(reference.wrap_t));
+}
+
+void Renderer::Impl::set_material(const Program& program, const mesh::Material& material) const {
+    const bool blend = material.alpha_mode == mesh::AlphaMode::blend;
+    const bool mask = material.alpha_mode == mesh::AlphaMode::mask;
+    const Vec4f& base = material.base_color;
+    glUniform4f(program.base_color, base.r, base.g, base.b, base.a);
+    glUniform3f(program.emissive, material.emissive.r, material.emissive.g, material.emissive.b);
+    glUniform1f(program.alpha_cutoff, mask ? material.alpha_cutoff : -1.0f);
+    bind_texture(GL_TEXTURE0, material.base_color_texture);
+    bind_texture(GL_TEXTURE1, material.emissive_texture);
+    glDepthMask(blend ? GL_FALSE : GL_TRUE);
+    blend ? glEnable(GL_BLEND) : glDisable(GL_BLEND);
+}
+
+void Renderer::Impl::draw_batch(const Batch& batch) const {
+    glBindVertexArray(batch.vertex_array);
+    if (batch.flat)
+        glDrawArrays(GL_TRIANGLES, 0, batch.corners);
+    else
+        glDrawElements(GL_TRIANGLES, batch.corners, GL_UNSIGNED_INT, nullptr);
+}
+
+// Blended primitives from back to front by their centres; triangles inside one are not sorted.
+void Renderer::Impl::sort_blended(const Camera& camera) {
+    const auto first = std::find_if(batches.begin(), batches.end(), [&](const Batch& b) {
+        return materials[b.material].alpha_mode == mesh::AlphaMode::blend;
+    });
+    std::stable_sort(first, batches.end(), [&](const Batch& a, const Batch& b) {
+        return dot(a.center, camera.forward) > dot(b.center, camera.forward);
+    });
+}
+
+void Renderer::Impl::draw_frame(const Camera& camera, const DrawOptions& options) {
+    const auto width = static_cast<GLint>(options.width), height = static_cast<GLint>(options.height);
+    glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+    glViewport(0, 0, width, height);
+    glDisable(GL_CULL_FACE);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LEQUAL);
+    glDepthMask(GL_TRUE);
+    glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    glClearColor(options.background.r, options.background.g, options.background.b, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    if (camera.sees_scene) {
+        set_camera(gouraud, camera, options.phong);
+        set_camera(flat, camera, options.phong);
+        glVertexAttrib4f(location_color, 1.0f, 1.0f, 1.0f, 1.0f);
+        for (const Batch& batch : batches) {
+            const Program& program = batch.flat ? flat : gouraud;
+            glUseProgram(program.id);
+            set_material(program, materials[batch.material]);
+            draw_batch(batch);
+        }
+        glBindVertexArray(0);
+    }
+    if (target.samples == 1) return;
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, target.framebuffer);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.framebuffer);
+    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+Image Renderer::Impl::read_back(const DrawOptions& options) const {
+    Image image{options.width, options.height, {}};
+    image.rgba.resize(image.pixels() * 4);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, target.samples > 1 ? resolved.framebuffer : target.framebuffer);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, static_cast<GLsizei>(options.width), static_cast<GLsizei>(options.height), GL_RGBA,
+                 GL_UNSIGNED_BYTE, image.rgba.data());
+    flip_rows(image);
+    for (std::size_t i = 3; i < image.rgba.size(); i += 4) image.rgba[i] = 255;
+    return image;
+}
+
+Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+Renderer::~Renderer() = default;
+
+Result<Renderer> Renderer::create() {
+    auto impl = std::make_unique<Impl>();
+    if (auto made = impl->create(); !made) return made.error();
+    return Renderer(std::move(impl));
+}
+
+Result<UploadStatistics> Renderer::upload(const codec::Decoded& content) {
+    Error error;
+    try {
+        auto statistics = impl_->upload(content);
+        if (statistics) return statistics;
+        error = statistics.error();
+    } catch (const std::bad_alloc&) {
+        error = fail(ErrorCode::limit_exceeded, "not enough memory to prepare the level for drawing");
+    }
+    impl_->clear();
+    return error;
+}
+
+Result<Frame> Renderer::draw(const shading::View& view, const DrawOptions& options) {
+    if (auto sound = shading::validate(view); !sound) return sound.error();
+    if (auto sound = impl_->check(options); !sound) return sound.error();
+    if (auto ready = impl_->prepare_targets(options); !ready) return ready.error();
+    const double aspect = static_cast<double>(options.width) / options.height;
+    const Camera camera = make_camera(view, impl_->origin, impl_->placement, aspect);
+    impl_->sort_blended(camera);
+    gl_failed();
+    if (options.frames > 1) {  // the first frame also pays for what the driver compiles and moves
+        impl_->draw_frame(camera, options);
+        glFinish();
+    }
+    std::vector<double> times_ms;
+    for (std::uint32_t i = 0; i < options.frames; ++i) {
+        const auto start = std::chrono::steady_clock::now();
+        impl_->draw_frame(camera, options);
+        glFinish();
+        times_ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    }
+    try {
+        Frame frame{impl_->read_back(options), median(std::move(times_ms)), impl_->uploaded.triangles,
+                    static_cast<std::uint32_t>(camera.sees_scene ? impl_->batches.size() : 0)};
+        if (gl_failed()) return out_of_memory("the frame");
+        return frame;
+    } catch (const std::bad_alloc&) {
+        return fail(ErrorCode::limit_exceeded, "not enough memory for the picture");
+    }
+}
+
+}  // namespace lodestream::render

@@ -1,0 +1,88 @@
+// Draws a decoded level with OpenGL ES 3.0: Gouraud primitives are lit once a vertex, flat primitives once a face, and
+// a fragment only multiplies the light that arrives with the base colour's texture.
+//
+// Flat faces need no normals in memory: their corners are stored one after the other, and one buffer is bound three
+// times, each a corner further, so that the provoking (last) vertex of a face sees all three corners and the other two
+// skip the lighting. The price is 36 bytes of positions a face, where indexed Gouraud takes about 24 (normals, shared
+// vertices).
+//
+// Light: Phong's model from one direction plus ambient (shading::Phong), computed in linear light, written as sRGB.
+// Faces are lit from both sides: a face seen from behind uses the opposite normal. Nothing is culled. Of a material the
+// base colour, emission, their textures and the alpha mode are drawn; roughness and metalness are not part of Phong's
+// model.
+//
+// Numbers: the scene is moved to its bounding sphere's centre and scaled to radius 1 in double precision before
+// anything becomes float, so extents of 1e-9 or 1e9 and origins far away draw alike.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "client/render/image.h"
+#include "common/base/result.h"
+#include "common/codec/level_codec.h"
+#include "common/mesh/mesh.h"
+#include "common/shading/hybrid_split.h"
+#include "common/shading/view.h"
+
+namespace lodestream::render {
+
+inline constexpr std::uint32_t max_samples = 8;
+inline constexpr std::uint64_t max_texture_texels = 256ull << 20;  // of all images of a level together
+
+struct DrawOptions {
+    std::uint32_t width = 800;   // px, >= 1, at most max_image_side and what the driver allows
+    std::uint32_t height = 600;  // px, likewise
+    std::uint32_t samples = 4;   // a pixel; 1 turns anti-aliasing off, which is right where images are compared
+    std::uint32_t frames = 1;    // frame_ms is the median over that many, >= 1
+    Vec3f background{1.0f};      // linear RGB
+    shading::Phong phong{};
+};
+
+struct Frame {
+    Image image;
+    double frame_ms = 0.0;  // drawing until the GPU is done, without reading the picture back
+    std::uint64_t triangles = 0;
+    std::uint32_t draw_calls = 0;
+};
+
+struct UploadStatistics {
+    std::uint64_t triangles = 0;
+    std::uint64_t gouraud_triangles = 0;
+    std::uint64_t gouraud_vertices = 0;
+    std::uint64_t geometry_bytes = 0;  // vertex and index buffers on the GPU
+    std::uint64_t texture_bytes = 0;   // without mip levels
+};
+
+// A level as its decoded bytes would be, without encoding it: one primitive a material and shading. Empty `gouraud`:
+// all Gouraud. Gouraud triangles of a mesh without normals are flat. pre: gouraud is empty or one entry a triangle
+codec::Decoded drawable(const mesh::Model& model, const mesh::Mesh& level, std::span<const std::uint8_t> gouraud = {});
+
+// Around everything that triangles use, in world coordinates.
+Box world_bounds(const codec::Decoded& content);
+
+// Needs a current OpenGL ES 3 context, the same one for its whole life and at its end.
+class Renderer {
+  public:
+    static Result<Renderer> create();
+    Renderer(Renderer&&) noexcept;
+    Renderer& operator=(Renderer&&) noexcept;
+    ~Renderer();
+
+    // Puts the level on the GPU in place of the one before. Images that cannot be decoded are drawn white and warned
+    // of. Errors: invalid_input (an index or attribute length is wrong, positions not finite), limit_exceeded (GPU
+    // memory).
+    Result<UploadStatistics> upload(const codec::Decoded& content);
+
+    // Draws what was uploaded; without an upload, or with an empty one, the background alone.
+    // Errors: invalid_input (view, sizes), limit_exceeded (larger than the driver or the named limits allow).
+    Result<Frame> draw(const shading::View& view, const DrawOptions& options);
+
+  private:
+    struct Impl;
+    explicit Renderer(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lodestream::render

@@ -1,0 +1,222 @@
+#include "client/render/scene.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <map>
+#include <string>
+#include <utility>
+
+namespace lodestream::render {
+namespace {
+
+constexpr double max_eye_distance = 1e7;    // radii; from there an object is below a pixel in every allowed picture
+constexpr double near_share_of_far = 1e-4;  // bounds how far near and far may be apart for a 24-bit depth buffer
+constexpr double plane_margin = 1e-3;       // of the radius, so that rounding clips nothing off the sphere
+
+bool fits(std::size_t attribute, std::size_t vertices) {
+    return attribute == 0 || attribute == vertices;
+}
+
+Status check_mesh(const codec::Primitive& primitive, const std::string& where) {
+    const mesh::Mesh& m = primitive.mesh;
+    const std::size_t vertices = m.positions.size();
+    if (!fits(m.normals.size(), vertices) || !fits(m.colors.size(), vertices) ||
+        !fits(m.texture_coordinates.size(), vertices))
+        return invalid_input(where + ": an attribute is not as long as the positions");
+    if (primitive.shading == codec::Shading::gouraud && m.normals.empty() && !m.triangles.empty())
+        return invalid_input(where + ": Gouraud shading needs normals");
+    for (const Vec3f& p : m.positions)
+        if (!all_finite(p)) return invalid_input(where + ": a position is not finite");
+    for (const mesh::Triangle& t : m.triangles)
+        if (std::max({t[0], t[1], t[2]}) >= vertices)
+            return invalid_input(where + ": a triangle names a missing vertex");
+    return Nothing{};
+}
+
+Box local_bounds(const codec::Decoded& content) {
+    Box box;
+    for (const codec::Primitive& primitive : content.primitives)
+        for (const mesh::Triangle& t : primitive.mesh.triangles)
+            for (const std::uint32_t v : t) box.add(Vec3d(primitive.mesh.positions[v]));
+    return box;
+}
+
+Vec3f to_scene(const Vec3f& p, const Placement& placement) {
+    return Vec3f((Vec3d(p) - placement.center) / placement.radius);
+}
+
+Vec3f finite_or_zero(const Vec3f& v) {
+    return all_finite(v) ? v : Vec3f{0.0f};
+}
+Vec2f finite_or_zero(const Vec2f& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) ? v : Vec2f{0.0f};
+}
+
+// Unit length without overflow on the way; zero stays zero.
+Vec3d direction(const Vec3d& v) {
+    const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    return largest > 0.0 ? normalize(v / largest) : Vec3d{0.0};
+}
+
+bool faces_against_normals(const mesh::Mesh& m, const mesh::Triangle& t) {
+    const Vec3d a(m.positions[t[0]]);
+    const Vec3d face = cross(direction(Vec3d(m.positions[t[1]]) - a), direction(Vec3d(m.positions[t[2]]) - a));
+    const Vec3d normals = Vec3d(m.normals[t[0]]) + Vec3d(m.normals[t[1]]) + Vec3d(m.normals[t[2]]);
+    return dot(face, normals) < 0.0;
+}
+
+Mat4d perspective(double tan_half_fov_y, double aspect, double near, double far) {
+    Mat4d m{0.0};
+    m[0][0] = 1.0 / (tan_half_fov_y * aspect);
+    m[1][1] = 1.0 / tan_half_fov_y;
+    m[2][2] = -(far + near) / (far - near);
+    m[2][3] = -1.0;
+    m[3][2] = -2.0 * far * near / (far - near);
+    return m;
+}
+
+// Rows right, up, backwards; +y is up unless the eye looks along it.
+Mat4d look(const Vec3d& eye, const Vec3d& forward) {
+    const Vec3d world_up = std::abs(forward.y) > 1.0 - 1e-9 ? Vec3d{0, 0, -forward.y} : Vec3d{0, 1, 0};
+    const Vec3d right = normalize(cross(forward, world_up));
+    const Vec3d up = cross(right, forward);
+    Mat4d m{1.0};
+    for (int i = 0; i < 3; ++i) {
+        m[i][0] = right[i];
+        m[i][1] = up[i];
+        m[i][2] = -forward[i];
+    }
+    m[3] = Vec4d(-dot(right, eye), -dot(up, eye), dot(forward, eye), 1.0);
+    return m;
+}
+
+}  // namespace
+
+codec::Decoded drawable(const mesh::Model& model, const mesh::Mesh& level, std::span<const std::uint8_t> gouraud) {
+    assert(gouraud.empty() || gouraud.size() == level.triangles.size());
+    codec::Decoded out;
+    out.materials = model.materials;
+    if (out.materials.empty()) out.materials.emplace_back();
+    out.images = model.images;
+    out.origin = model.origin;
+    std::map<std::pair<std::uint32_t, bool>, std::vector<mesh::Triangle>> parts;  // material, flat
+    for (std::size_t t = 0; t < level.triangles.size(); ++t) {
+        const bool flat = level.normals.empty() || (!gouraud.empty() && gouraud[t] == 0);
+        parts[{mesh::material_of(level, t), flat}].push_back(level.triangles[t]);
+    }
+    constexpr std::uint32_t unused = ~0u;
+    std::vector<std::uint32_t> renamed(level.positions.size());
+    for (const auto& [key, triangles] : parts) {
+        codec::Primitive primitive{key.second ? codec::Shading::flat : codec::Shading::gouraud, key.first, {}};
+        mesh::Mesh& m = primitive.mesh;
+        std::fill(renamed.begin(), renamed.end(), unused);
+        for (mesh::Triangle t : triangles) {
+            for (std::uint32_t& v : t) {
+                const std::uint32_t old = v;
+                if (renamed[old] == unused) {
+                    renamed[old] = static_cast<std::uint32_t>(m.positions.size());
+                    m.positions.push_back(level.positions[old]);
+                    if (!key.second) m.normals.push_back(level.normals[old]);
+                    if (!level.colors.empty()) m.colors.push_back(level.colors[old]);
+                    if (!level.texture_coordinates.empty())
+                        m.texture_coordinates.push_back(level.texture_coordinates[old]);
+                }
+                v = renamed[old];
+            }
+            m.triangles.push_back(t);
+        }
+        out.primitives.push_back(std::move(primitive));
+    }
+    return out;
+}
+
+Box world_bounds(const codec::Decoded& content) {
+    Box box = local_bounds(content);
+    if (box.empty()) return box;
+    box.min += content.origin;
+    box.max += content.origin;
+    return box;
+}
+
+Placement place(const codec::Decoded& content) {
+    const Box box = local_bounds(content);
+    Placement placement;
+    placement.center = box.center();
+    const double radius = box.radius();
+    if (radius > 0.0) placement.radius = radius;
+    return placement;
+}
+
+Status check_drawable(const codec::Decoded& content) {
+    if (!all_finite(content.origin)) return invalid_input("the level's origin is not finite");
+    for (std::size_t i = 0; i < content.primitives.size(); ++i) {
+        const std::string where = "primitive " + std::to_string(i);
+        if (auto mesh = check_mesh(content.primitives[i], where); !mesh) return mesh;
+        if (!content.primitives[i].mesh.triangles.empty() && content.primitives[i].material >= content.materials.size())
+            return invalid_input(where + ": its material is missing");
+    }
+    return Nothing{};
+}
+
+Streams gouraud_streams(const mesh::Mesh& mesh, const Placement& placement, bool textured) {
+    Streams s;
+    Box box;
+    s.positions.reserve(mesh.positions.size());
+    s.normals.reserve(mesh.positions.size());
+    for (const Vec3f& p : mesh.positions) s.positions.push_back(to_scene(p, placement));
+    for (const Vec3f& n : mesh.normals) s.normals.push_back(finite_or_zero(n));
+    s.colors = mesh.colors;
+    if (textured)
+        for (const Vec2f& uv : mesh.texture_coordinates) s.texture_coordinates.push_back(finite_or_zero(uv));
+    s.indices.reserve(mesh.triangles.size() * 3);
+    for (const mesh::Triangle& t : mesh.triangles) {
+        const bool swap = faces_against_normals(mesh, t);
+        for (const std::uint32_t v : {t[0], swap ? t[2] : t[1], swap ? t[1] : t[2]}) {
+            s.indices.push_back(v);
+            box.add(Vec3d(s.positions[v]));
+        }
+    }
+    s.center = box.center();
+    return s;
+}
+
+Streams flat_streams(const mesh::Mesh& mesh, const Placement& placement, bool textured) {
+    Streams s;
+    Box box;
+    const std::size_t corners = mesh.triangles.size() * 3;
+    s.positions.reserve(corners + flat_padding);
+    s.positions.resize(flat_padding, Vec3f{0.0f});
+    if (!mesh.colors.empty()) s.colors.reserve(corners);
+    for (const mesh::Triangle& t : mesh.triangles)
+        for (const std::uint32_t v : t) {
+            s.positions.push_back(to_scene(mesh.positions[v], placement));
+            box.add(Vec3d(s.positions.back()));
+            if (!mesh.colors.empty()) s.colors.push_back(mesh.colors[v]);
+            if (textured && !mesh.texture_coordinates.empty())
+                s.texture_coordinates.push_back(finite_or_zero(mesh.texture_coordinates[v]));
+        }
+    s.center = box.center();
+    return s;
+}
+
+Camera make_camera(const shading::View& view, const Vec3d& origin, const Placement& placement, double aspect) {
+    Camera camera;
+    camera.to_light = Vec3f(direction(view.light));
+    camera.forward = direction(view.target * 0.25 - view.eye * 0.25);
+    const Vec3d eye = ((view.eye - origin) - placement.center) / placement.radius;
+    const double distance = std::hypot(eye.x, eye.y, eye.z);
+    if (!(distance < max_eye_distance) || camera.forward == Vec3d{0.0}) return camera;
+    const double depth = -dot(eye, camera.forward);
+    const double far = depth + 1.0 + plane_margin;
+    if (!(far > 0.0)) return camera;
+    const double near = std::max(depth - 1.0 - plane_margin, far * near_share_of_far);
+    const double fov_deg = std::clamp(view.fov_y_deg, shading::min_fov_deg, shading::max_fov_deg);
+    camera.eye = Vec3f(eye);
+    camera.clip_from_scene =
+        Mat4f(perspective(std::tan(radians(fov_deg) / 2.0), aspect, near, far) * look(eye, camera.forward));
+    camera.sees_scene = true;
+    return camera;
+}
+
+}  // namespace lodestream::render

@@ -1,0 +1,50 @@
+// What the GPU gets, computed on the CPU in double precision; private to this folder and free of GL.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "client/render/renderer.h"
+
+namespace lodestream::render {
+
+// Scene coordinates: (p - center) / radius, so that everything drawn lies in the unit sphere around (0,0,0).
+struct Placement {
+    Vec3d center{0.0};    // relative to Decoded::origin
+    double radius = 1.0;  // > 0
+};
+
+Placement place(const codec::Decoded& content);
+
+// Errors: invalid_input where an index, an attribute's length or a position is wrong.
+Status check_drawable(const codec::Decoded& content);
+
+// Vertex streams of a primitive; an attribute that is not drawn is empty.
+struct Streams {
+    std::vector<Vec3f> positions;
+    std::vector<Vec3f> normals;
+    std::vector<Rgba8> colors;
+    std::vector<Vec2f> texture_coordinates;
+    std::vector<std::uint32_t> indices;  // empty: corners in order, three a face
+    Vec3d center{0.0};                   // of the positions' box, for sorting what is blended
+};
+
+inline constexpr std::size_t flat_padding = 2;  // vertices in front of a flat primitive's first corner
+
+// Indexed, each triangle wound so that its front is the side that its normals point to.
+Streams gouraud_streams(const mesh::Mesh& mesh, const Placement& placement, bool textured);
+// Corner after corner; `positions` has flat_padding extra entries in front.
+Streams flat_streams(const mesh::Mesh& mesh, const Placement& placement, bool textured);
+
+struct Camera {
+    bool sees_scene = false;  // false: the whole bounding sphere is behind the eye, or much smaller than a pixel
+    Mat4f clip_from_scene{1.0f};
+    Vec3f eye{0.0f};  // scene coordinates
+    Vec3d forward{0.0};
+    Vec3f to_light{0.0f};  // unit length
+};
+
+// pre: validate(view) succeeded
+Camera make_camera(const shading::View& view, const Vec3d& origin, const Placement& placement, double aspect);
+
+}  // namespace lodestream::render

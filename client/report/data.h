@@ -1,0 +1,107 @@
+// What a report knows: plain measurements, gathered once (gather.h) and shown by pure functions (sections.h,
+// document.h).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/budget/budget.h"
+#include "proto/messages.h"
+
+namespace lodestream::report {
+
+// Where the numbers come from; printed with every table.
+struct Provenance {
+    std::string command;
+    std::string commit;
+    std::string date;  // UTC, ISO 8601
+    std::string cpu;
+    std::uint32_t cores = 0;
+    std::string renderer;  // the OpenGL renderer's own name
+    bool software_renderer = false;
+    bool quick = false;
+};
+
+// How a drawn picture differs from the full model's, same view, same pixels, where either shows the object.
+struct ImageError {
+    double percent = 0.0;             // root mean square of R, G and B, of full scale
+    double silhouette_percent = 0.0;  // pixels that only one of the two covers
+};
+
+// A level of one shading mode on its way: bytes and milliseconds measured on this machine.
+struct ModeResult {
+    proto::ShadingMode mode = proto::ShadingMode::hybrid;
+    std::uint64_t gouraud = 0;
+    std::uint64_t flat = 0;
+    std::uint64_t bytes = 0;
+    double fetch_ms = 0.0;
+    double decode_ms = 0.0;
+    double frame_ms = 0.0;
+    std::uint64_t gpu_bytes = 0;
+    ImageError image;
+};
+
+struct DeviceResult {
+    std::string device;
+    budget::Request request;
+    proto::PlanResponse plan;  // of the hybrid level, made for the first time
+    double replan_ms = 0.0;    // round trip of the same plan once more, its content in the store
+    std::uint64_t left_out_bytes = 0;
+    std::array<ModeResult, 3> modes;  // hybrid, gouraud, flat
+};
+
+struct DrawnLevel {
+    std::string device;
+    double frame_ms = 0.0;
+    double error_px = 0.0;  // the level's maximum error at the object's nearest point
+    ImageError image;
+};
+
+// A rung of the ladder as stored.
+struct LadderLevel {
+    std::uint64_t index = 0;  // 0: the finest
+    proto::Level level;
+    double fetch_ms = 0.0;
+    double decode_ms = 0.0;
+    std::vector<DrawnLevel> drawn;  // one a device
+};
+
+// One share of flat triangles, d, at one triangle count and one drawn view.
+struct SplitStep {
+    double distance = 0.0;
+    std::uint64_t triangles = 0;
+    ModeResult result;
+};
+
+// What a device shows beside the full model, and their difference; thumbnails as PNG.
+struct Picture {
+    std::string device;
+    std::uint32_t width = 0, height = 0;  // px, of one panel as drawn
+    std::string level_png, full_png, difference_png;
+    std::filesystem::path file;  // all three at full size, relative to the report
+};
+
+struct AssetResult {
+    proto::Asset asset;
+    double diagonal = 0.0;  // of the full model's bounding box, model units
+    std::uint64_t full_triangles = 0;
+    std::uint64_t full_bytes = 0;  // the full model, all Gouraud
+    double full_decode_ms = 0.0;
+    std::vector<DeviceResult> devices;
+    std::vector<LadderLevel> ladder;
+    std::vector<SplitStep> split;
+    std::string split_device;  // whose budget and display the split was measured with
+    std::vector<Picture> pictures;
+};
+
+struct ReportData {
+    Provenance provenance;
+    std::vector<AssetResult> assets;
+    std::vector<std::string> problems;  // what is missing and why, one line each
+};
+
+}  // namespace lodestream::report

@@ -1,0 +1,125 @@
+#include "client/report/report.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+#include <thread>
+
+#include "client/render/gl_context.h"
+#include "client/report/commit.h"
+#include "client/report/document.h"
+#include "client/report/gather.h"
+#include "client/report/sections.h"
+#include "client/report/server_process.h"
+#include "client/report/text.h"
+
+namespace lodestream::report {
+namespace {
+
+std::string cpu_model() {
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);)
+        if (line.starts_with("model name")) {
+            const std::size_t at = line.find(": ");
+            if (at != std::string::npos) return line.substr(at + 2);
+        }
+    return "unknown CPU";
+}
+
+std::string utc_now() {
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    char buffer[32] = "";
+    if (gmtime_r(&now, &parts)) std::strftime(buffer, sizeof buffer, "%Y-%m-%dT%H:%M:%SZ", &parts);
+    return buffer;
+}
+
+Provenance provenance(const ReportOptions& options, const render::GlContext& context) {
+    return {options.command_line, built_commit(),     utc_now(),    cpu_model(), std::thread::hardware_concurrency(),
+            context.renderer(),   context.software(), options.quick};
+}
+
+// One line on a terminal's stderr, replaced with every step; nothing elsewhere.
+class ProgressLine {
+  public:
+    void show(const std::string& what) const {
+        if (!on_) return;
+        const auto seconds =
+            std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - start_);
+        std::fprintf(stderr, "\r\033[K[%3lld s] %s", static_cast<long long>(seconds.count()), printable(what).c_str());
+    }
+    void clear() const {
+        if (on_) std::fputs("\r\033[K", stderr);
+    }
+
+  private:
+    bool on_ = isatty(STDERR_FILENO) != 0;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+Status write_text(const std::filesystem::path& path, const std::string& text) {
+    std::ofstream file(path, std::ios::binary | std::ios::trunc);
+    file << text << std::flush;
+    if (!file) return fail(ErrorCode::io, "cannot write " + path.string());
+    return Nothing{};
+}
+
+Status make_folders(const std::filesystem::path& out) {
+    std::error_code error;
+    std::filesystem::create_directories(out / "pictures", error);
+    if (error)
+        return fail(ErrorCode::io, "cannot make the folder " + (out / "pictures").string() + ": " + error.message());
+    return Nothing{};
+}
+
+Result<ReportData> measure(const ReportOptions& options, const std::string& url) {
+    Result<render::GlContext> context = render::create_headless_context();
+    if (!context) return context.error();
+    Result<render::Renderer> renderer = render::Renderer::create();
+    if (!renderer) return renderer.error();
+    Result<sdk::Client> client = sdk::Client::open(url);
+    if (!client) return client.error();
+
+    const ProgressLine progress;
+    Result<ReportData> data =
+        gather(*client, *renderer, {options.out, options.quick, [&](const std::string& what) { progress.show(what); }});
+    progress.clear();
+    if (data) data->provenance = provenance(options, *context);
+    return data;
+}
+
+void print(const ReportData& data, const ReportOptions& options, const std::string& json) {
+    if (options.json) {
+        std::cout << json << std::flush;
+        return;
+    }
+    std::cout << to_text(overview_table(data), isatty(STDOUT_FILENO) != 0);
+    for (const std::string& problem : data.problems) std::cout << "not in this report: " << printable(problem) << "\n";
+    std::cout << "report: " << (options.out / "report.html").string() << std::endl;
+}
+
+}  // namespace
+
+Status run(const ReportOptions& options) {
+    if (Status made = make_folders(options.out); !made) return made;
+    std::optional<ServerProcess> server;
+    if (options.server_url.empty()) {
+        Result<ServerProcess> started = ServerProcess::start(server_beside_this_program(), options.assets);
+        if (!started) return started.error();
+        server.emplace(std::move(*started));
+    }
+    Result<ReportData> data = measure(options, server ? server->url() : options.server_url);
+    if (!data) return data.error();
+
+    const std::string json = json_document(*data);
+    if (Status written = write_text(options.out / "report.html", html_document(*data)); !written) return written;
+    if (Status written = write_text(options.out / "report.json", json); !written) return written;
+    print(*data, options, json);
+    return Nothing{};
+}
+
+}  // namespace lodestream::report

@@ -1,0 +1,278 @@
+#include "client/sdk/client.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "client/sdk/http_connection.h"
+
+namespace lodestream::sdk {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t max_url_length = 2048;
+constexpr std::size_t max_detail_length = 400;
+
+double ms_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+// What a server says ends up on a terminal: one line, no control characters, not endless.
+std::string one_line(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+    if (text.size() > max_detail_length) text = text.substr(0, max_detail_length) + " …";
+    return text;
+}
+
+ErrorCode code_of_status(int status) {
+    switch (status) {
+        case 400:
+        case 422:
+            return ErrorCode::invalid_input;
+        case 401:
+        case 403:
+            return ErrorCode::unauthorized;
+        case 404:
+        case 410:
+            return ErrorCode::not_found;
+        case 409:
+            return ErrorCode::conflict;
+        case 413:
+            return ErrorCode::limit_exceeded;
+        case 415:
+            return ErrorCode::unsupported;
+        case 429:
+        case 503:
+            return ErrorCode::unavailable;
+        default:
+            return ErrorCode::io;
+    }
+}
+
+Error refusal(const HttpRequest& request, const HttpResponse& response) {
+    const std::string status = "HTTP " + std::to_string(response.status);
+    if (response.content_type.starts_with("application/problem+json"))
+        if (const auto problem = proto::parse_problem(response.body)) {
+            const std::string& text = problem->detail.empty() ? problem->title : problem->detail;
+            return fail(code_of_status(response.status), one_line(text) + " (" + status + ")");
+        }
+    const std::string where = request.method + " " + request.target + ": ";
+    if (response.status >= 300 && response.status < 400)
+        return fail(ErrorCode::io, where + "the server redirects, which is not followed (" + status + ")");
+    return fail(code_of_status(response.status), where + "the server answered " + status);
+}
+
+bool is_unreserved(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '.' ||
+           c == '_' || c == '~';
+}
+
+std::string percent_encode(std::string_view text) {
+    constexpr std::string_view digits = "0123456789ABCDEF";
+    std::string out;
+    for (const char c : text) {
+        if (is_unreserved(c)) {
+            out += c;
+            continue;
+        }
+        const auto byte = static_cast<unsigned char>(c);
+        out += {'%', digits[byte >> 4], digits[byte & 15]};
+    }
+    return out;
+}
+
+// A path of the same server: no other host, no blanks or line ends that would break the request line.
+bool is_server_path(const std::string& url) {
+    const auto printable = [](char c) { return c > 0x20 && c < 0x7f; };
+    return url.size() > 1 && url.size() <= max_url_length && url[0] == '/' && url[1] != '/' &&
+           std::all_of(url.begin(), url.end(), printable);
+}
+
+Status check_plan(const proto::PlanResponse& plan) {
+    const auto wrong = [](const std::string& what) {
+        return fail(ErrorCode::io, "the server's plan is wrong: " + what);
+    };
+    if (!is_server_path(plan.content.url)) return wrong("content.url is not a path of the server");
+    if (plan.content.bytes > max_content_bytes) return wrong("content.bytes is larger than the limit");
+    if (plan.shading.gouraud > plan.level.triangles || plan.shading.flat != plan.level.triangles - plan.shading.gouraud)
+        return wrong("gouraud + flat is not level.triangles");
+    if (plan.level.triangles > plan.budget.triangles) return wrong("level.triangles exceeds the budget");
+    return Nothing{};
+}
+
+std::uint64_t count_triangles(const codec::Decoded& content) {
+    std::uint64_t count = 0;
+    for (const codec::Primitive& primitive : content.primitives) count += primitive.mesh.triangles.size();
+    return count;
+}
+
+}  // namespace
+
+Result<ServerUrl> parse_server_url(std::string_view url) {
+    constexpr std::string_view scheme = "http://";
+    const auto wrong = [&](const std::string& what) {
+        return invalid_input("server URL \"" + one_line(std::string(url)) + "\": " + what);
+    };
+    if (url.size() > max_url_length) return wrong("too long");
+    if (url.starts_with("https://")) {
+        Error error = wrong("https is not supported; put a TLS proxy in between and use http");
+        error.code = ErrorCode::unsupported;
+        return error;
+    }
+    if (!url.starts_with(scheme)) return wrong("expected http://HOST:PORT");
+    std::string_view rest = url.substr(scheme.size());
+    if (rest.ends_with('/')) rest.remove_suffix(1);
+    ServerUrl out;
+    if (rest.starts_with('[')) {
+        const std::size_t end = rest.find(']');
+        if (end == std::string_view::npos) return wrong("the IPv6 address has no closing bracket");
+        out.host = rest.substr(1, end - 1);
+        rest.remove_prefix(end + 1);
+    } else {
+        out.host = rest.substr(0, rest.find(':'));
+        rest.remove_prefix(out.host.size());
+    }
+    const auto allowed = [](char c) { return is_unreserved(c) || c == ':'; };
+    if (out.host.empty() || !std::all_of(out.host.begin(), out.host.end(), allowed)) return wrong("the host is wrong");
+    if (rest.empty()) return out;
+    const char* end = rest.data() + rest.size();
+    const auto port = std::from_chars(rest.data() + 1, end, out.port);
+    if (rest[0] != ':' || port.ec != std::errc{} || port.ptr != end || out.port == 0)
+        return wrong("the port must be 1 to 65535");
+    return out;
+}
+
+struct Client::Impl {
+    explicit Impl(ServerUrl server) : connection(std::move(server)) {}
+    HttpConnection connection;
+
+    // The body of a 2xx response.
+    Result<std::string> send(const HttpRequest& request, std::uint64_t max_body_bytes) {
+        auto response = connection.exchange(request, max_body_bytes);
+        if (!response) return response.error();
+        if (response->status < 200 || response->status >= 300) return refusal(request, *response);
+        return std::move(response->body);
+    }
+
+    template <class T>
+    Result<T> send_for(const HttpRequest& request, Result<T> (*parse)(std::string_view)) {
+        const auto body = send(request, max_json_bytes);
+        if (!body) return body.error();
+        auto parsed = parse(*body);
+        if (parsed) return parsed;
+        return fail(ErrorCode::io, request.method + " " + request.target +
+                                       ": the server's answer is wrong: " + one_line(parsed.error().message));
+    }
+};
+
+Client::Client(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Client::Client(Client&&) noexcept = default;
+Client& Client::operator=(Client&&) noexcept = default;
+Client::~Client() = default;
+
+Result<Client> Client::open(std::string_view url) {
+    auto server = parse_server_url(url);
+    if (!server) return server.error();
+    return Client(std::make_unique<Impl>(*std::move(server)));
+}
+
+Result<std::vector<proto::Asset>> Client::assets() {
+    HttpRequest request;
+    request.target = "/v1/assets";
+    return impl_->send_for(request, proto::parse_assets);
+}
+
+Result<proto::Asset> Client::asset(const std::string& id) {
+    HttpRequest request;
+    request.target = "/v1/assets/" + percent_encode(id);
+    return impl_->send_for(request, proto::parse_asset);
+}
+
+Result<proto::PlanResponse> Client::plan(const proto::PlanRequest& plan_request) {
+    const std::string json = proto::to_json(plan_request);
+    HttpRequest request;
+    request.method = "POST";
+    request.target = "/v1/plans";
+    request.content_type = "application/json";
+    request.body = std::as_bytes(std::span(json));
+    auto plan = impl_->send_for(request, proto::parse_plan_response);
+    if (!plan) return plan;
+    if (auto sound = check_plan(*plan); !sound) return sound.error();
+    return plan;
+}
+
+Result<std::vector<std::byte>> Client::fetch(const std::string& url, std::uint64_t expected_bytes) {
+    if (!is_server_path(url)) return invalid_input("content URL is not a path of the server");
+    if (expected_bytes > max_content_bytes) return fail(ErrorCode::limit_exceeded, url + ": larger than the limit");
+    HttpRequest request;
+    request.target = url;
+    const auto body = impl_->send(request, expected_bytes);
+    if (!body) return body.error();
+    if (body->size() != expected_bytes)
+        return fail(ErrorCode::io, url + ": " + std::to_string(body->size()) + " bytes arrived instead of " +
+                                       std::to_string(expected_bytes));
+    const auto bytes = std::as_bytes(std::span(*body));
+    return std::vector<std::byte>(bytes.begin(), bytes.end());
+}
+
+Result<Loaded> Client::load(const proto::PlanRequest& request) {
+    Loaded loaded;
+    const auto plan_start = Clock::now();
+    auto planned = plan(request);
+    if (!planned) return planned.error();
+    loaded.timing.plan_ms = ms_since(plan_start);
+    loaded.plan = *std::move(planned);
+
+    const auto fetch_start = Clock::now();
+    const auto glb = fetch(loaded.plan.content.url, loaded.plan.content.bytes);
+    if (!glb) return glb.error();
+    loaded.timing.fetch_ms = ms_since(fetch_start);
+    loaded.bytes = glb->size();
+
+    const auto decode_start = Clock::now();
+    auto content = codec::decode_level(*glb);
+    if (!content) return fail(content.error().code, loaded.plan.content.url + ": " + one_line(content.error().message));
+    loaded.timing.decode_ms = ms_since(decode_start);
+    loaded.content = *std::move(content);
+    const std::uint64_t triangles = count_triangles(loaded.content);
+    if (triangles != loaded.plan.level.triangles)
+        return fail(ErrorCode::io, loaded.plan.content.url + ": holds " + std::to_string(triangles) +
+                                       " triangles, the plan said " + std::to_string(loaded.plan.level.triangles));
+    return loaded;
+}
+
+Result<proto::Asset> Client::upload(const std::string& name, std::span<const std::byte> model,
+                                    const std::string& token) {
+    HttpRequest request;
+    request.method = "POST";
+    request.target = "/v1/assets?name=" + percent_encode(name);
+    request.content_type = "application/octet-stream";
+    request.body = model;
+    request.token = token;
+    request.repeatable = false;
+    return impl_->send_for(request, proto::parse_asset);
+}
+
+Result<proto::Asset> Client::wait_ready(const std::string& id_or_name, double timeout_s) {
+    const auto start = Clock::now();
+    for (;;) {
+        auto list = assets();
+        if (!list) return list.error();
+        const auto found = std::find_if(list->begin(), list->end(), [&](const proto::Asset& a) {
+            return a.id == id_or_name || a.name == id_or_name;
+        });
+        if (found == list->end()) return fail(ErrorCode::not_found, "no asset \"" + id_or_name + "\" on the server");
+        if (found->status == proto::AssetStatus::ready) return asset(found->id);
+        if (found->status == proto::AssetStatus::failed)
+            return invalid_input("asset \"" + id_or_name + "\" failed to bake: " + one_line(found->error));
+        if (ms_since(start) >= timeout_s * 1e3)
+            return fail(ErrorCode::unavailable, "asset \"" + id_or_name + "\" is still baking");
+        std::this_thread::sleep_for(std::chrono::milliseconds(wait_interval_ms));
+    }
+}
+
+}  // namespace lodestream::sdk

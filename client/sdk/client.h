@@ -1,0 +1,83 @@
+// What a program needs of the service: list, plan, fetch, decode. Blocking, over one kept-alive HTTP/1.1 connection.
+// Nothing that arrives is trusted: every size, status, field and byte is checked, and a failure is one Error with the
+// server's own `detail` where it sent one. A Client is used by one thread at a time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/codec/level_codec.h"
+#include "proto/messages.h"
+
+namespace lodestream::sdk {
+
+inline constexpr double connect_timeout_s = 10.0;
+inline constexpr double request_timeout_s = 120.0;  // from the first byte sent to the last one received
+inline constexpr std::uint64_t max_json_bytes = 16ull << 20;
+inline constexpr std::uint64_t max_content_bytes = 1ull << 30;
+inline constexpr std::uint32_t max_header_bytes = 16u << 10;
+inline constexpr std::uint32_t wait_interval_ms = 50;  // between two looks at an asset that is baking
+
+struct ServerUrl {
+    std::string host;  // without the brackets of an IPv6 address
+    std::uint16_t port = 80;
+};
+
+// "http://HOST[:PORT][/]". Errors: unsupported (https), invalid_input (anything else).
+Result<ServerUrl> parse_server_url(std::string_view url);
+
+struct Timing {
+    double plan_ms = 0.0;
+    double fetch_ms = 0.0;
+    double decode_ms = 0.0;
+};
+
+struct Loaded {
+    proto::PlanResponse plan;
+    codec::Decoded content;
+    std::uint64_t bytes = 0;  // of the content as fetched
+    Timing timing;
+};
+
+class Client {
+  public:
+    // Parses the URL only; the connection is made by the first request and made anew where the server closed it.
+    static Result<Client> open(std::string_view url);
+    Client(Client&&) noexcept;
+    Client& operator=(Client&&) noexcept;
+    ~Client();
+
+    Result<std::vector<proto::Asset>> assets();
+    Result<proto::Asset> asset(const std::string& id);
+
+    // Refuses a response that contradicts itself: a content URL that is not a path of this server, gouraud + flat that
+    // is not the level's triangles, more triangles than the budget.
+    Result<proto::PlanResponse> plan(const proto::PlanRequest& request);
+
+    // The bytes behind a plan's content URL, exactly `expected_bytes` of them. Redirects are refused.
+    Result<std::vector<std::byte>> fetch(const std::string& url, std::uint64_t expected_bytes);
+
+    // plan → fetch → decode; the decoded level has the plan's triangles, or it is an error.
+    Result<Loaded> load(const proto::PlanRequest& request);
+
+    // Sends a model; the answered asset is still `baking`. Never sent twice. `token` empty: none.
+    Result<proto::Asset> upload(const std::string& name, std::span<const std::byte> model,
+                                const std::string& token = {});
+
+    // Waits until the asset of this id or name is `ready`. Errors: not_found, invalid_input (its bake failed: why),
+    // unavailable (still baking after `timeout_s`).
+    Result<proto::Asset> wait_ready(const std::string& id_or_name, double timeout_s);
+
+  private:
+    struct Impl;
+    explicit Client(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lodestream::sdk

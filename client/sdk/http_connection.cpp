@@ -1,0 +1,150 @@
+#include "client/sdk/http_connection.h"
+
+#include <utility>
+// Asio of Boost 1.81 needs <utility> before it with g++ 12.
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <chrono>
+#include <optional>
+
+namespace lodestream::sdk {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using boost::system::error_code;
+using Clock = std::chrono::steady_clock;
+
+constexpr int http_1_1 = 11;
+
+Clock::time_point deadline_after(double seconds) {
+    return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+std::string authority(const ServerUrl& server) {
+    const bool ipv6 = server.host.find(':') != std::string::npos;
+    return (ipv6 ? "[" + server.host + "]" : server.host) + ":" + std::to_string(server.port);
+}
+
+}  // namespace
+
+// Beast has deadlines for asynchronous operations alone, so each one is started and run to its end.
+struct HttpConnection::Impl {
+    ServerUrl server;
+    asio::io_context io;
+    std::optional<beast::tcp_stream> stream;
+    beast::flat_buffer buffer;
+
+    using RequestMessage = http::request<http::span_body<const std::byte>>;
+    using ResponseParser = http::response_parser<http::string_body>;
+
+    explicit Impl(ServerUrl url) : server(std::move(url)) {}
+
+    template <class Start>
+    error_code run(Start start) {
+        error_code result;
+        start([&result](error_code error, auto&&...) { result = error; });
+        io.restart();
+        io.run();
+        return result;
+    }
+
+    void close() {
+        stream.reset();
+        buffer.clear();
+    }
+
+    error_code connect() {
+        close();
+        error_code error;
+        asio::ip::tcp::resolver resolver(io);
+        const auto endpoints = resolver.resolve(server.host, std::to_string(server.port), error);
+        if (error) return error;
+        stream.emplace(io);
+        stream->expires_at(deadline_after(connect_timeout_s));
+        error = run([&](auto done) { stream->async_connect(endpoints, done); });
+        if (error) return error;
+        error_code ignored;
+        stream->socket().set_option(asio::ip::tcp::no_delay(true), ignored);
+        return error;
+    }
+
+    RequestMessage message(const HttpRequest& request) const {
+        RequestMessage out;
+        out.version(http_1_1);
+        out.method_string(request.method);
+        out.target(request.target);
+        out.set(http::field::host, authority(server));
+        out.set(http::field::user_agent, "lodestream-client");
+        out.set(http::field::accept, "*/*");
+        if (!request.token.empty()) out.set(http::field::authorization, "Bearer " + request.token);
+        if (!request.content_type.empty()) {
+            out.set(http::field::content_type, request.content_type);
+            out.body() = beast::span<const std::byte>(request.body.data(), request.body.size());
+            out.content_length(request.body.size());
+        }
+        return out;
+    }
+
+    // A server that refuses a body early answers and closes while the body is still on its way: its answer counts.
+    error_code exchange_once(RequestMessage& request, ResponseParser& parser) {
+        stream->expires_at(deadline_after(request_timeout_s));
+        const error_code written = run([&](auto done) { http::async_write(*stream, request, done); });
+        const error_code read = run([&](auto done) { http::async_read(*stream, buffer, parser, done); });
+        return read && written ? written : read;
+    }
+
+    Error describe(const HttpRequest& request, error_code error) const {
+        const std::string where = request.method + " " + request.target + " at " + authority(server) + ": ";
+        if (error == http::error::body_limit)
+            return fail(ErrorCode::limit_exceeded, where + "the response is larger than expected");
+        if (error == http::error::end_of_stream || error == http::error::partial_message)
+            return fail(ErrorCode::io, where + "the server closed the connection before the response was complete");
+        if (error == beast::error::timeout) return fail(ErrorCode::io, where + "timed out");
+        return fail(ErrorCode::io, where + error.message());
+    }
+
+    Result<HttpResponse> exchange(const HttpRequest& request, std::uint64_t max_body_bytes) {
+        RequestMessage out = message(request);
+        bool reused = stream && request.repeatable;
+        for (;;) {
+            if (!reused)
+                if (const error_code error = connect())
+                    return fail(ErrorCode::unavailable,
+                                "cannot connect to " + authority(server) + ": " + error.message());
+            ResponseParser parser;
+            parser.header_limit(max_header_bytes);
+            parser.body_limit(max_body_bytes);
+            const error_code error = exchange_once(out, parser);
+            if (error) {
+                close();
+                if (reused && !parser.got_some()) {
+                    reused = false;
+                    continue;
+                }
+                return describe(request, error);
+            }
+            if (!parser.keep_alive()) close();
+            auto response = parser.release();
+            return HttpResponse{static_cast<int>(response.result_int()),
+                                std::string(response[http::field::content_type]), std::move(response.body())};
+        }
+    }
+};
+
+HttpConnection::HttpConnection(ServerUrl server) : impl_(std::make_unique<Impl>(std::move(server))) {}
+HttpConnection::~HttpConnection() = default;
+
+Result<HttpResponse> HttpConnection::exchange(const HttpRequest& request, std::uint64_t max_body_bytes) {
+    try {
+        return impl_->exchange(request, max_body_bytes);
+    } catch (const std::exception& error) {
+        impl_->close();
+        return fail(ErrorCode::io, request.method + " " + request.target + ": " + error.what());
+    }
+}
+
+}  // namespace lodestream::sdk

@@ -1,0 +1,236 @@
+#include "common/codec/draco_mesh.h"
+
+#include <draco/compression/decode.h>
+#include <draco/compression/point_cloud/point_cloud_decoder.h>
+#include <draco/core/varint_decoding.h>
+#include <draco/metadata/metadata_decoder.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <new>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+namespace lodestream::codec {
+namespace {
+
+// Draco allocates for the counts that a stream declares before it reads what they count. A flat grid, the most regular
+// mesh there is, codes some 800 triangles in a byte; a stream that claims more than this is damaged.
+constexpr std::uint64_t max_elements_per_byte = 4096;
+constexpr std::size_t max_attributes = 64;
+
+struct DeclaredCounts {
+    bool is_mesh = false;
+    std::uint64_t points = 0;  // of a mesh: at least this many
+    std::uint64_t triangles = 0;
+};
+
+draco::DecoderBuffer buffer_of(std::span<const std::byte> bytes) {
+    draco::DecoderBuffer buffer;
+    buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return buffer;
+}
+
+// Counts are varints since version 2.0 of the bit stream (sequential meshes: 2.2), and 32 bits wide before.
+bool read_count(draco::DecoderBuffer& buffer, bool varint, std::uint64_t& count) {
+    std::uint32_t value = 0;
+    if (!(varint ? draco::DecodeVarint(&value, &buffer) : buffer.Decode(&value))) return false;
+    count = value;
+    return true;
+}
+
+bool read_mesh_counts(draco::DecoderBuffer& buffer, std::uint8_t method, std::uint16_t version,
+                      DeclaredCounts& counts) {
+    if (method == draco::MESH_SEQUENTIAL_ENCODING) {
+        const bool varint = version >= DRACO_BITSTREAM_VERSION(2, 2);
+        return read_count(buffer, varint, counts.triangles) && read_count(buffer, varint, counts.points);
+    }
+    const bool varint = version >= DRACO_BITSTREAM_VERSION(2, 0);
+    std::uint8_t traversal = 0;
+    std::uint64_t new_vertices = 0;
+    return buffer.Decode(&traversal) &&
+           (version >= DRACO_BITSTREAM_VERSION(2, 2) || read_count(buffer, varint, new_vertices)) &&
+           read_count(buffer, varint, counts.points) && read_count(buffer, varint, counts.triangles);
+}
+
+std::optional<DeclaredCounts> read_declared_counts(std::span<const std::byte> bytes) {
+    draco::DecoderBuffer buffer = buffer_of(bytes);
+    draco::DracoHeader header;
+    if (!draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok()) return std::nullopt;
+    const auto version = DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor);
+    buffer.set_bitstream_version(static_cast<std::uint16_t>(version));
+    if (version >= DRACO_BITSTREAM_VERSION(1, 3) && (header.flags & METADATA_FLAG_MASK)) {
+        draco::GeometryMetadata metadata;
+        if (!draco::MetadataDecoder().DecodeGeometryMetadata(&buffer, &metadata)) return std::nullopt;
+    }
+    DeclaredCounts counts;
+    counts.is_mesh = header.encoder_type == draco::TRIANGULAR_MESH;
+    const bool read = counts.is_mesh ? read_mesh_counts(buffer, header.encoder_method, version, counts)
+                                     : read_count(buffer, false, counts.points);
+    return read ? std::optional(counts) : std::nullopt;
+}
+
+DracoAttribute::Semantic semantic_of(draco::GeometryAttribute::Type type) {
+    switch (type) {
+        case draco::GeometryAttribute::POSITION:
+            return DracoAttribute::Semantic::position;
+        case draco::GeometryAttribute::NORMAL:
+            return DracoAttribute::Semantic::normal;
+        case draco::GeometryAttribute::COLOR:
+            return DracoAttribute::Semantic::color;
+        case draco::GeometryAttribute::TEX_COORD:
+            return DracoAttribute::Semantic::texture_coordinate;
+        default:
+            return DracoAttribute::Semantic::generic;
+    }
+}
+
+template <class Number>
+float to_float(const std::uint8_t* address, bool normalized) {
+    Number number;
+    std::memcpy(&number, address, sizeof number);
+    if constexpr (std::is_floating_point_v<Number>) {
+        constexpr double largest = std::numeric_limits<float>::max();
+        if (std::isfinite(number)) return static_cast<float>(std::clamp<double>(number, -largest, largest));
+        return std::isnan(number) ? std::numeric_limits<float>::quiet_NaN()
+                                  : std::copysign(std::numeric_limits<float>::infinity(), number > 0 ? 1.0f : -1.0f);
+    } else {
+        if (!normalized) return static_cast<float>(number);
+        const double scaled = static_cast<double>(number) / static_cast<double>(std::numeric_limits<Number>::max());
+        return static_cast<float>(std::max(scaled, -1.0));
+    }
+}
+
+using Conversion = float (*)(const std::uint8_t*, bool);
+
+Conversion conversion_from(draco::DataType type) {
+    switch (type) {
+        case draco::DT_INT8:
+            return to_float<std::int8_t>;
+        case draco::DT_UINT8:
+        case draco::DT_BOOL:
+            return to_float<std::uint8_t>;
+        case draco::DT_INT16:
+            return to_float<std::int16_t>;
+        case draco::DT_UINT16:
+            return to_float<std::uint16_t>;
+        case draco::DT_INT32:
+            return to_float<std::int32_t>;
+        case draco::DT_UINT32:
+            return to_float<std::uint32_t>;
+        case draco::DT_INT64:
+            return to_float<std::int64_t>;
+        case draco::DT_UINT64:
+            return to_float<std::uint64_t>;
+        case draco::DT_FLOAT32:
+            return to_float<float>;
+        case draco::DT_FLOAT64:
+            return to_float<double>;
+        default:
+            return nullptr;
+    }
+}
+
+Result<DracoAttribute> read_attribute(const draco::PointAttribute& source, std::uint32_t points) {
+    const Conversion convert = conversion_from(source.data_type());
+    if (!convert) return invalid_input("Draco: attribute of an unknown data type");
+    if (!source.is_mapping_identity() && source.indices_map_size() < points)
+        return invalid_input("Draco: attribute does not cover every point");
+    DracoAttribute attribute;
+    attribute.semantic = semantic_of(source.attribute_type());
+    attribute.components = source.num_components();
+    attribute.normalized = source.normalized();
+    attribute.values.reserve(std::size_t{points} * source.num_components());
+    const int size = draco::DataTypeLength(source.data_type());
+    const std::uint64_t stored = source.buffer()->data_size();
+    for (std::uint32_t p = 0; p < points; ++p) {
+        const std::uint32_t value = source.mapped_index(draco::PointIndex(p)).value();
+        const std::uint64_t start =
+            static_cast<std::uint64_t>(source.byte_offset()) + static_cast<std::uint64_t>(source.byte_stride()) * value;
+        const std::uint64_t length = static_cast<std::uint64_t>(size) * source.num_components();
+        if (value >= source.size() || start > stored || length > stored - start)
+            return invalid_input("Draco: attribute value out of range");
+        for (int c = 0; c < attribute.components; ++c)
+            attribute.values.push_back(convert(source.buffer()->data() + start + c * size, attribute.normalized));
+    }
+    return attribute;
+}
+
+Result<DracoMesh> read_geometry(const draco::PointCloud& cloud, const draco::Mesh* mesh) {
+    DracoMesh result;
+    result.points = cloud.num_points();
+    if (mesh) result.triangles.reserve(mesh->num_faces());
+    for (std::uint32_t f = 0; mesh && f < mesh->num_faces(); ++f) {
+        const draco::Mesh::Face& face = mesh->face(draco::FaceIndex(f));
+        const mesh::Triangle triangle{face[0].value(), face[1].value(), face[2].value()};
+        if (*std::max_element(triangle.begin(), triangle.end()) >= result.points)
+            return invalid_input("Draco: triangle " + std::to_string(f) + " refers to a missing point");
+        result.triangles.push_back(triangle);
+    }
+    if (static_cast<std::size_t>(cloud.num_attributes()) > max_attributes)
+        return fail(ErrorCode::limit_exceeded, "Draco: more than " + std::to_string(max_attributes) + " attributes");
+    for (int a = 0; a < cloud.num_attributes(); ++a) {
+        const draco::PointAttribute& source = *cloud.attribute(a);
+        if (source.num_components() < 1 || source.num_components() > 4) continue;
+        Result<DracoAttribute> attribute = read_attribute(source, result.points);
+        if (!attribute) return attribute.error();
+        if (!result.attributes.emplace(source.unique_id(), std::move(*attribute)).second)
+            return invalid_input("Draco: two attributes have the id " + std::to_string(source.unique_id()));
+    }
+    return result;
+}
+
+Result<DracoMesh> decode(std::span<const std::byte> bytes, std::uint64_t max_points, std::uint64_t max_triangles) {
+    const std::optional<DeclaredCounts> declared = read_declared_counts(bytes);
+    if (!declared) return invalid_input("Draco: damaged header");
+    const auto too_many = [&](std::uint64_t points, std::uint64_t triangles) {
+        return points > max_points || triangles > max_triangles;
+    };
+    const Error limit =
+        fail(ErrorCode::limit_exceeded, "Draco: more than " + std::to_string(max_points) + " points or " +
+                                            std::to_string(max_triangles) + " triangles");
+    if (too_many(declared->points, declared->triangles)) return limit;
+    if (std::max(declared->points, declared->triangles) / max_elements_per_byte > bytes.size())
+        return invalid_input("Draco: the header declares more than the stream can hold");
+
+    draco::Decoder decoder;
+    draco::DecoderBuffer buffer = buffer_of(bytes);
+    std::unique_ptr<draco::PointCloud> cloud;
+    const draco::Mesh* mesh = nullptr;
+    draco::Status status;
+    if (declared->is_mesh) {
+        auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
+        status = decoded.status();
+        if (status.ok()) {
+            auto owned = std::move(decoded).value();
+            mesh = owned.get();
+            cloud = std::move(owned);
+        }
+    } else {
+        auto decoded = decoder.DecodePointCloudFromBuffer(&buffer);
+        status = decoded.status();
+        if (status.ok()) cloud = std::move(decoded).value();
+    }
+    if (!cloud) return invalid_input("Draco: damaged stream (" + status.error_msg_string() + ")");
+    if (too_many(cloud->num_points(), mesh ? mesh->num_faces() : 0)) return limit;
+    return read_geometry(*cloud, mesh);
+}
+
+}  // namespace
+
+Result<DracoMesh> decode_draco(std::span<const std::byte> bytes, std::uint64_t max_points,
+                               std::uint64_t max_triangles) {
+    try {
+        return decode(bytes, max_points, max_triangles);
+    } catch (const std::bad_alloc&) {
+        return fail(ErrorCode::limit_exceeded, "Draco: not enough memory to decode");
+    } catch (const std::exception& error) {
+        return invalid_input(std::string("Draco: damaged stream (") + error.what() + ")");
+    }
+}
+
+}  // namespace lodestream::codec

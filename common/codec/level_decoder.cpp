@@ -1,0 +1,444 @@
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "common/codec/draco_mesh.h"
+#include "common/codec/glb.h"
+#include "common/codec/level_codec.h"
+
+namespace lodestream::codec {
+namespace {
+
+using mesh::Material;
+using nlohmann::json;
+
+// Thrown and caught in this file only: a reader of nested data is clearest when any step may refuse.
+struct Refusal {
+    Error error;
+};
+
+void require(bool holds, const char* what) {
+    if (!holds) throw Refusal{invalid_input(std::string("GLB: ") + what)};
+}
+
+const json& member(const json& object, const char* name) {
+    require(object.is_object(), "an object is expected");
+    const auto found = object.find(name);
+    if (found == object.end()) throw Refusal{invalid_input(std::string("GLB: no ") + name)};
+    return *found;
+}
+
+const json* find(const json& object, const char* name) {
+    require(object.is_object(), "an object is expected");
+    const auto found = object.find(name);
+    return found == object.end() ? nullptr : &*found;
+}
+
+const json& array_of(const json& object, const char* name) {
+    static const json empty = json::array();
+    const json* found = find(object, name);
+    if (!found) return empty;
+    require(found->is_array() && found->size() <= max_gltf_elements, "an array of a sensible length is expected");
+    return *found;
+}
+
+std::uint64_t whole(const json& value) {
+    require(value.is_number_unsigned(), "a whole number is expected");
+    return value.get<std::uint64_t>();
+}
+
+std::uint64_t whole_or(const json& object, const char* name, std::uint64_t otherwise) {
+    const json* found = find(object, name);
+    return found ? whole(*found) : otherwise;
+}
+
+std::string text_or(const json& object, const char* name, const char* otherwise) {
+    const json* found = find(object, name);
+    require(!found || found->is_string(), "a string is expected");
+    return found ? found->get<std::string>() : otherwise;
+}
+
+bool flag(const json& object, const char* name) {
+    const json* found = find(object, name);
+    require(!found || found->is_boolean(), "true or false is expected");
+    return found && found->get<bool>();
+}
+
+double number(const json& value, double low, double high) {
+    require(value.is_number(), "a number is expected");
+    const double x = value.get<double>();
+    require(x >= low && x <= high, "a number is out of range");
+    return x;
+}
+
+float number_or(const json& object, const char* name, float high, float otherwise) {
+    const json* found = find(object, name);
+    return found ? static_cast<float>(number(*found, 0.0, high)) : otherwise;
+}
+
+template <class Vector>
+Vector vector_or(const json& object, const char* name, double low, double high, Vector otherwise) {
+    const json* found = find(object, name);
+    if (!found) return otherwise;
+    require(found->is_array() && found->size() == static_cast<std::size_t>(Vector::length()), "a vector is expected");
+    for (int c = 0; c < Vector::length(); ++c)
+        otherwise[c] =
+            static_cast<typename Vector::value_type>(number((*found)[static_cast<std::size_t>(c)], low, high));
+    return otherwise;
+}
+
+mesh::Wrap wrap_of(std::uint64_t code) {
+    for (const mesh::Wrap wrap : {mesh::Wrap::repeat, mesh::Wrap::clamp_to_edge, mesh::Wrap::mirrored_repeat})
+        if (code == static_cast<std::uint64_t>(wrap_code(wrap))) return wrap;
+    throw Refusal{invalid_input("GLB: unknown texture wrap")};
+}
+
+struct AttributeKind {
+    const char* name;
+    DracoAttribute::Semantic semantic;
+    int components;
+    int component_type;
+};
+
+constexpr AttributeKind attribute_kinds[] = {
+    {"POSITION", DracoAttribute::Semantic::position, 3, gltf_float},
+    {"NORMAL", DracoAttribute::Semantic::normal, 3, gltf_float},
+    {"TEXCOORD_0", DracoAttribute::Semantic::texture_coordinate, 2, gltf_float},
+    {"COLOR_0", DracoAttribute::Semantic::color, 4, gltf_unsigned_byte},
+};
+
+class Reader {
+  public:
+    explicit Reader(Glb glb)
+        : root_(std::move(glb.json)),
+          binary_(glb.binary),
+          view_is_used_(array_of(root_, "bufferViews").size(), false) {}
+
+    Decoded read();
+
+  private:
+    void check_head() const;
+    std::string read_extras() const;
+    const json& element(const char* array, std::uint64_t index) const;
+    std::span<const std::byte> take_view(std::uint64_t index);
+    mesh::Image read_image(const json& image);
+    Material read_material(const json& material) const;
+    mesh::TextureReference read_texture(const json& parent, const char* name) const;
+    const json& check_accessor(std::uint64_t index, const char* type, std::uint64_t component_type,
+                               std::uint64_t count) const;
+    Primitive read_primitive(const json& primitive);
+    DracoMesh read_compressed(const json& primitive, const json& extension);
+    DracoMesh read_plain(const json& primitive);
+    void read_plain_indices(const json& primitive, DracoMesh& mesh);
+    const json* find_node() const;
+
+    json root_;
+    std::span<const std::byte> binary_;
+    std::vector<bool> view_is_used_;
+    std::uint64_t vertices_left_ = max_decoded_vertices;
+    std::uint64_t triangles_left_ = max_decoded_triangles;
+};
+
+void Reader::check_head() const {
+    require(text_or(member(root_, "asset"), "version", "") == "2.0", "not glTF 2.0");
+    for (const json& extension : array_of(root_, "extensionsRequired"))
+        if (extension != draco_extension)
+            throw Refusal{fail(ErrorCode::unsupported, "GLB: a required extension is not supported")};
+    const json& buffers = array_of(root_, "buffers");
+    require(buffers.size() == (binary_.empty() ? 0u : 1u), "one buffer is expected, the binary chunk");
+    if (buffers.empty()) return;
+    require(!find(buffers[0], "uri"), "a buffer outside the file");
+    require(whole(member(buffers[0], "byteLength")) == binary_.size(), "the buffer is not the binary chunk");
+}
+
+std::string Reader::read_extras() const {
+    const json* extras = find(member(root_, "asset"), "extras");
+    const json* ours = extras ? find(*extras, "lodestream") : nullptr;
+    if (!ours) return "";
+    require(ours->is_object(), "extras.lodestream is not an object");
+    return ours->dump();
+}
+
+const json& Reader::element(const char* array, std::uint64_t index) const {
+    const json& elements = array_of(root_, array);
+    require(index < elements.size(), "a reference to a missing element");
+    require(elements[index].is_object(), "an object is expected");
+    return elements[index];
+}
+
+// Each view has one user, so that a small file cannot ask for the same work many times.
+std::span<const std::byte> Reader::take_view(std::uint64_t index) {
+    const json& view = element("bufferViews", index);
+    require(!view_is_used_[index], "a buffer view is used twice");
+    view_is_used_[index] = true;
+    require(whole(member(view, "buffer")) == 0 && !find(view, "byteStride"), "a buffer view of an unexpected kind");
+    const std::uint64_t offset = whole_or(view, "byteOffset", 0), length = whole(member(view, "byteLength"));
+    require(offset <= binary_.size() && length <= binary_.size() - offset, "a buffer view beyond the buffer");
+    return binary_.subspan(offset, length);
+}
+
+std::uint32_t big_endian(std::span<const std::byte> bytes, std::size_t offset, int count) {
+    std::uint32_t result = 0;
+    for (int i = 0; i < count; ++i) result = result << 8 | std::to_integer<std::uint32_t>(bytes[offset + i]);
+    return result;
+}
+
+// Sets width and height from the PNG's first chunk or the JPEG's frame header; they stay 0 where neither is found.
+void read_image_size(mesh::Image& image) {
+    const std::span<const std::byte> bytes = image.bytes;
+    if (image.media_type == "image/png" && bytes.size() >= 24) {
+        image.width = big_endian(bytes, 16, 4);
+        image.height = big_endian(bytes, 20, 4);
+        return;
+    }
+    for (std::size_t at = 2; image.media_type == "image/jpeg" && at + 9 <= bytes.size();) {
+        const std::uint32_t marker = big_endian(bytes, at, 2), length = big_endian(bytes, at + 2, 2);
+        const bool is_frame =
+            marker >= 0xffc0 && marker <= 0xffcf && marker != 0xffc4 && marker != 0xffc8 && marker != 0xffcc;
+        if (is_frame) {
+            image.height = big_endian(bytes, at + 5, 2);
+            image.width = big_endian(bytes, at + 7, 2);
+            return;
+        }
+        at += 2 + std::size_t{length};
+    }
+}
+
+mesh::Image Reader::read_image(const json& image) {
+    const auto bytes = take_view(whole(member(image, "bufferView")));
+    mesh::Image result;
+    result.media_type = text_or(image, "mimeType", "");
+    require(!result.media_type.empty() && image_media_type(bytes) == result.media_type, "an image is not what it says");
+    result.bytes.assign(bytes.begin(), bytes.end());
+    read_image_size(result);
+    return result;
+}
+
+mesh::TextureReference Reader::read_texture(const json& parent, const char* name) const {
+    mesh::TextureReference result;
+    const json* reference = find(parent, name);
+    if (!reference) return result;
+    require(whole_or(*reference, "texCoord", 0) == 0, "a second set of texture coordinates");
+    const json& texture = element("textures", whole(member(*reference, "index")));
+    const std::uint64_t image = whole(member(texture, "source"));
+    element("images", image);
+    result.image = static_cast<int>(image);
+    if (const json* index = find(texture, "sampler")) {
+        const json& sampler = element("samplers", whole(*index));
+        result.wrap_s = wrap_of(whole_or(sampler, "wrapS", 10497));
+        result.wrap_t = wrap_of(whole_or(sampler, "wrapT", 10497));
+    }
+    return result;
+}
+
+Material Reader::read_material(const json& material) const {
+    static const json no_factors = json::object();
+    constexpr float largest = std::numeric_limits<float>::max();
+    const json* pbr_member = find(material, "pbrMetallicRoughness");
+    const json& pbr = pbr_member ? *pbr_member : no_factors;
+    Material result;
+    result.name = text_or(material, "name", "");
+    result.base_color = vector_or(pbr, "baseColorFactor", 0.0, 1.0, Vec4f(1.0f));
+    result.metallic = number_or(pbr, "metallicFactor", 1.0f, 1.0f);
+    result.roughness = number_or(pbr, "roughnessFactor", 1.0f, 1.0f);
+    result.emissive = vector_or(material, "emissiveFactor", 0.0, 1.0, Vec3f(0.0f));
+    result.base_color_texture = read_texture(pbr, "baseColorTexture");
+    result.metallic_roughness_texture = read_texture(pbr, "metallicRoughnessTexture");
+    result.occlusion_texture = read_texture(material, "occlusionTexture");
+    result.emissive_texture = read_texture(material, "emissiveTexture");
+    const std::string mode = text_or(material, "alphaMode", "OPAQUE");
+    require(mode == "OPAQUE" || mode == "MASK" || mode == "BLEND", "unknown alpha mode");
+    result.alpha_mode = mode == "MASK"    ? mesh::AlphaMode::mask
+                        : mode == "BLEND" ? mesh::AlphaMode::blend
+                                          : mesh::AlphaMode::opaque;
+    result.alpha_cutoff = number_or(material, "alphaCutoff", largest, 0.5f);
+    result.double_sided = flag(material, "doubleSided");
+    return result;
+}
+
+const json& Reader::check_accessor(std::uint64_t index, const char* type, std::uint64_t component_type,
+                                   std::uint64_t count) const {
+    const json& accessor = element("accessors", index);
+    require(text_or(accessor, "type", "") == type, "an accessor of an unexpected type");
+    require(whole(member(accessor, "componentType")) == component_type, "an accessor of an unexpected component type");
+    require(whole(member(accessor, "count")) == count, "an accessor's count is not that of its data");
+    require(flag(accessor, "normalized") == (component_type == gltf_unsigned_byte),
+            "an accessor is wrongly normalized");
+    require(whole_or(accessor, "byteOffset", 0) == 0 && !find(accessor, "sparse"), "an accessor of an unexpected kind");
+    return accessor;
+}
+
+bool is_index_type(std::uint64_t component_type) {
+    return component_type == gltf_unsigned_short || component_type == gltf_unsigned_int;
+}
+
+DracoMesh Reader::read_compressed(const json& primitive, const json& extension) {
+    const auto stream = take_view(whole(member(extension, "bufferView")));
+    Result<DracoMesh> decoded = decode_draco(stream, vertices_left_, triangles_left_);
+    if (!decoded) throw Refusal{fail(decoded.error().code, "GLB: " + decoded.error().message)};
+
+    const std::uint64_t indices = whole(member(primitive, "indices"));
+    const std::uint64_t index_type = whole(member(element("accessors", indices), "componentType"));
+    require(is_index_type(index_type), "indices of an unexpected type");
+    check_accessor(indices, "SCALAR", index_type, std::uint64_t{decoded->triangles.size()} * 3);
+
+    const json& ids = member(extension, "attributes");
+    const json& attributes = member(primitive, "attributes");
+    require(ids.is_object() && attributes.is_object() && ids.size() == attributes.size(), "attributes outside Draco");
+    DracoMesh result;
+    result.points = decoded->points;
+    result.triangles = std::move(decoded->triangles);
+    for (const AttributeKind& kind : attribute_kinds) {
+        const json* id = find(ids, kind.name);
+        if (!id) continue;
+        const std::string type = "VEC" + std::to_string(kind.components);
+        check_accessor(whole(member(attributes, kind.name)), type.c_str(),
+                       static_cast<std::uint64_t>(kind.component_type), result.points);
+        require(whole(*id) <= std::numeric_limits<std::uint32_t>::max(), "a Draco attribute is missing");
+        const auto found = decoded->attributes.find(static_cast<std::uint32_t>(whole(*id)));
+        require(found != decoded->attributes.end() && found->second.components == kind.components &&
+                    found->second.normalized == (kind.component_type == gltf_unsigned_byte),
+                "a Draco attribute is missing or of an unexpected kind");
+        result.attributes[static_cast<std::uint32_t>(kind.semantic)] = std::move(found->second);
+        decoded->attributes.erase(found);
+    }
+    require(result.attributes.size() == ids.size(), "an unknown attribute");
+    return result;
+}
+
+void Reader::read_plain_indices(const json& primitive, DracoMesh& mesh) {
+    const std::uint64_t index = whole(member(primitive, "indices"));
+    const json& accessor = element("accessors", index);
+    const std::uint64_t type = whole(member(accessor, "componentType")), count = whole(member(accessor, "count"));
+    require(is_index_type(type) && count % 3 == 0 && count / 3 <= triangles_left_, "indices of an unexpected kind");
+    check_accessor(index, "SCALAR", type, count);
+    const auto bytes = take_view(whole(member(accessor, "bufferView")));
+    const std::uint64_t size = type == gltf_unsigned_short ? 2 : 4;
+    require(bytes.size() == count * size, "indices do not fill their buffer view");
+    mesh.triangles.resize(count / 3);
+    for (std::uint64_t i = 0; i < count; ++i) {
+        std::uint32_t vertex = 0;
+        std::memcpy(&vertex, bytes.data() + i * size, size);
+        require(vertex < mesh.points, "an index is out of range");
+        mesh.triangles[i / 3][i % 3] = vertex;
+    }
+}
+
+DracoMesh Reader::read_plain(const json& primitive) {
+    const json& attributes = member(primitive, "attributes");
+    const std::uint64_t points = whole(member(element("accessors", whole(member(attributes, "POSITION"))), "count"));
+    require(points <= vertices_left_, "too many vertices");
+    DracoMesh result;
+    result.points = static_cast<std::uint32_t>(points);
+    for (const AttributeKind& kind : attribute_kinds) {
+        const json* index = find(attributes, kind.name);
+        if (!index) continue;
+        const std::string type = "VEC" + std::to_string(kind.components);
+        const json& accessor =
+            check_accessor(whole(*index), type.c_str(), static_cast<std::uint64_t>(kind.component_type), points);
+        const auto bytes = take_view(whole(member(accessor, "bufferView")));
+        const bool is_byte = kind.component_type == gltf_unsigned_byte;
+        const std::uint64_t numbers = points * static_cast<std::uint64_t>(kind.components);
+        require(bytes.size() == numbers * (is_byte ? 1 : sizeof(float)), "an attribute does not fill its buffer view");
+        DracoAttribute& attribute = result.attributes[static_cast<std::uint32_t>(kind.semantic)];
+        attribute.values.resize(numbers);
+        if (is_byte)
+            for (std::uint64_t i = 0; i < numbers; ++i)
+                attribute.values[i] = static_cast<float>(std::to_integer<int>(bytes[i]) / 255.0);
+        else
+            std::memcpy(attribute.values.data(), bytes.data(), bytes.size());
+    }
+    require(result.attributes.size() == attributes.size(), "an unknown attribute");
+    read_plain_indices(primitive, result);
+    return result;
+}
+
+template <class Vector>
+std::vector<Vector> vectors_of(const DracoMesh& mesh, DracoAttribute::Semantic semantic) {
+    std::vector<Vector> result;
+    const auto found = mesh.attributes.find(static_cast<std::uint32_t>(semantic));
+    if (found == mesh.attributes.end()) return result;
+    result.resize(mesh.points);
+    const float* value = found->second.values.data();
+    for (Vector& v : result)
+        for (int c = 0; c < Vector::length(); ++c, ++value) {
+            require(std::isfinite(*value), "an attribute is not finite");
+            if constexpr (std::is_same_v<Vector, Rgba8>)
+                v[c] = static_cast<std::uint8_t>(std::lround(*value * 255.0f));
+            else
+                v[c] = *value;
+        }
+    return result;
+}
+
+Primitive Reader::read_primitive(const json& primitive) {
+    require(whole_or(primitive, "mode", gltf_triangles) == gltf_triangles, "not triangles");
+    const json* extensions = find(primitive, "extensions");
+    const json* draco = extensions ? find(*extensions, draco_extension) : nullptr;
+    const DracoMesh mesh = draco ? read_compressed(primitive, *draco) : read_plain(primitive);
+    vertices_left_ -= mesh.points;
+    triangles_left_ -= mesh.triangles.size();
+
+    Primitive result;
+    const std::uint64_t material = whole(member(primitive, "material"));
+    element("materials", material);
+    result.material = static_cast<std::uint32_t>(material);
+    result.mesh.positions = vectors_of<Vec3f>(mesh, DracoAttribute::Semantic::position);
+    require(!result.mesh.positions.empty() && !mesh.triangles.empty(), "a primitive without triangles");
+    result.mesh.normals = vectors_of<Vec3f>(mesh, DracoAttribute::Semantic::normal);
+    for (const Vec3f& normal : result.mesh.normals)
+        require(std::abs(glm::length(Vec3d(normal)) - 1.0) < 0.01, "a normal is not of unit length");
+    result.mesh.texture_coordinates = vectors_of<Vec2f>(mesh, DracoAttribute::Semantic::texture_coordinate);
+    result.mesh.colors = vectors_of<Rgba8>(mesh, DracoAttribute::Semantic::color);
+    result.mesh.triangles = mesh.triangles;
+    result.shading = result.mesh.normals.empty() ? Shading::flat : Shading::gouraud;
+    return result;
+}
+
+// The one node that draws the one mesh; none in an empty level.
+const json* Reader::find_node() const {
+    const json& nodes = array_of(root_, "nodes");
+    require(array_of(root_, "scenes").size() == 1, "one scene is expected");
+    require(nodes.size() == array_of(root_, "meshes").size() && nodes.size() <= 1,
+            "one node with one mesh is expected");
+    if (nodes.empty()) return nullptr;
+    require(whole(member(nodes[0], "mesh")) == 0, "a reference to a missing mesh");
+    for (const char* unexpected : {"matrix", "rotation", "scale", "children", "skin", "weights"})
+        require(!find(nodes[0], unexpected), "a node that does more than to move its mesh");
+    return &nodes[0];
+}
+
+Decoded Reader::read() {
+    check_head();
+    Decoded result;
+    result.extras_json = read_extras();
+    for (const json& image : array_of(root_, "images")) result.images.push_back(read_image(image));
+    for (const json& material : array_of(root_, "materials")) result.materials.push_back(read_material(material));
+    const json* node = find_node();
+    if (!node) return result;
+    constexpr double largest = std::numeric_limits<double>::max();
+    result.origin = vector_or(*node, "translation", -largest, largest, Vec3d(0.0));
+    for (const json& primitive : array_of(element("meshes", 0), "primitives"))
+        result.primitives.push_back(read_primitive(primitive));
+    return result;
+}
+
+}  // namespace
+
+Result<Decoded> decode_level(std::span<const std::byte> glb) {
+    try {
+        Result<Glb> parts = split_glb(glb);
+        if (!parts) return parts.error();
+        return Reader(std::move(*parts)).read();
+    } catch (const Refusal& refusal) {
+        return refusal.error;
+    } catch (const std::bad_alloc&) {
+        return fail(ErrorCode::limit_exceeded, "GLB: not enough memory to decode");
+    } catch (const std::exception& error) {
+        return invalid_input(std::string("GLB: ") + error.what());
+    }
+}
+
+}  // namespace lodestream::codec

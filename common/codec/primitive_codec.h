@@ -1,0 +1,53 @@
+// Private to the codec: one primitive's geometry to a Draco stream that is known to decode to the same triangles.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/codec/draco_mesh.h"
+#include "common/codec/key_table.h"
+#include "common/codec/level_codec.h"
+
+namespace lodestream::codec {
+
+// One vertex attribute of a level: its values, what quantization makes of them, and which one each vertex has.
+// Positions are values of their own where their sources differ, though they fall on one grid point: triangles between
+// them must survive. Other values are one where their decoded values are.
+struct Channel {
+    DracoAttribute::Semantic semantic = DracoAttribute::Semantic::position;
+    int components = 3;
+    int bits = 0;  // 0: bytes, not quantized further
+    Vec3f origin{0.0f};
+    float range = 1.0f;
+    std::vector<float> values;                    // components a value
+    std::vector<float> codes;                     // what Draco is given for them
+    std::vector<std::uint32_t> value_of_vertex;   // into values
+    std::vector<std::uint32_t> decoded_of_value;  // into decoded
+    KeyTable decoded{3};                          // bit patterns of the floats that a decoder yields
+
+    float decoded_value(std::uint32_t decoded_index, int component) const;
+};
+
+Result<Channel> position_channel(const std::vector<Vec3f>& positions, const QuantizationGrid& grid);
+// Normals that are not finite or have no length become +y.
+Result<Channel> normal_channel(const std::vector<Vec3f>& normals, int bits);
+// Coordinates that are not finite become 0. Beyond [0,1] each doubling of the range adds a bit.
+Result<Channel> texture_coordinate_channel(const std::vector<Vec2f>& coordinates, int bits);
+Result<Channel> color_channel(const std::vector<Rgba8>& colors);
+
+struct EncodedPrimitive {
+    std::vector<std::byte> stream;  // empty: Draco could not keep every triangle, `decoded` is to be stored plainly
+    DracoMesh decoded;              // what a decoder yields; attribute ids are the channels' places
+};
+
+// `triangles` index the level's vertices; the first of `channels` is the position.
+Result<EncodedPrimitive> encode_primitive(std::span<const mesh::Triangle> triangles,
+                                          std::span<const Channel* const> channels);
+
+// Bytes of the Draco stream alone.
+std::uint64_t measure_primitive(std::span<const mesh::Triangle> triangles, std::span<const Channel* const> channels);
+
+}  // namespace lodestream::codec

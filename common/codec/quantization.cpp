@@ -1,0 +1,56 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/codec/level_codec.h"
+
+namespace lodestream::codec {
+namespace {
+
+// Draco multiplies and divides by range / 2^bits in single precision; between these its steps are normal numbers.
+constexpr float min_range = 1e-31f;
+constexpr float max_range = std::numeric_limits<float>::max();
+
+float float_at_most(double x) {
+    const float rounded = static_cast<float>(std::clamp<double>(x, -max_range, max_range));
+    return rounded > x ? std::nextafter(rounded, -max_range) : rounded;
+}
+
+float float_at_least(double x) {
+    return -float_at_most(-x);
+}
+
+bool positive(double x) {
+    return std::isfinite(x) && x > 0.0;
+}
+
+// 0 where nothing is known to measure the step by.
+double wanted_step(double error, double mean_edge_length) {
+    const double by_error = positive(error) ? error / (2.0 * std::sqrt(3.0)) : 0.0;
+    if (!positive(mean_edge_length)) return by_error;
+    return std::clamp(by_error, mean_edge_length / finest_steps_per_edge, mean_edge_length / coarsest_steps_per_edge);
+}
+
+}  // namespace
+
+QuantizationGrid choose_grid(const Box& bounds, double error, double mean_edge_length) {
+    QuantizationGrid grid;
+    grid.bits = max_position_bits;
+    if (bounds.empty() || !all_finite(bounds.min) || !all_finite(bounds.max)) return grid;
+
+    double range = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        grid.origin[axis] = float_at_most(bounds.min[axis]);
+        range = std::max(range, bounds.max[axis] - grid.origin[axis]);
+    }
+    grid.range = std::max(float_at_least(range), min_range);
+
+    const double step = wanted_step(error, mean_edge_length);
+    const double steps = static_cast<double>(grid.range) / step;
+    if (steps < std::ldexp(1.0, max_position_bits))
+        grid.bits =
+            std::clamp(static_cast<int>(std::ceil(std::log2(steps + 1.0))), min_position_bits, max_position_bits);
+    return grid;
+}
+
+}  // namespace lodestream::codec

@@ -1,0 +1,144 @@
+#include "common/metric/surface_distance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/mesh/operations.h"
+#include "common/metric/triangle_tree.h"
+
+namespace lodestream::metric {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Hints carry the rounding of a square root and of float samples; a little slack keeps them upper bounds.
+constexpr double hint_slack = 1.0 + 1e-9;
+
+// The k-th number of a fixed sequence, in [0, 1): a hash (splitmix64), so any sample can be made on its own.
+double random_number(std::uint64_t k) {
+    k += 0x9e3779b97f4a7c15ull;
+    k = (k ^ (k >> 30)) * 0xbf58476d1ce4e5b9ull;
+    k = (k ^ (k >> 27)) * 0x94d049bb133111ebull;
+    return static_cast<double>((k ^ (k >> 31)) >> 11) * 0x1p-53;
+}
+
+Vec3f point_on(const TriangleTree::Corners& t, double u, double v) {
+    if (u + v > 1) {
+        u = 1 - u;
+        v = 1 - v;
+    }
+    const Vec3d a(t[0]), b(t[1]), c(t[2]);
+    return Vec3f(a + u * (b - a) + v * (c - a));
+}
+
+// One sample in each of `count` strips of equal area, in the order of the triangles.
+void add_area_samples(const std::vector<TriangleTree::Corners>& triangles, std::size_t count,
+                      std::vector<Vec3f>& samples) {
+    double total = 0;
+    for (const auto& t : triangles) total += mesh::face_area(t[0], t[1], t[2]);
+    if (!(total > 0)) return;
+    const double strip = total / static_cast<double>(count);
+    double covered = 0;
+    std::size_t k = 0;
+    for (const auto& t : triangles) {
+        covered += mesh::face_area(t[0], t[1], t[2]);
+        while (k < count && (static_cast<double>(k) + random_number(3 * k)) * strip < covered) {
+            samples.push_back(point_on(t, random_number(3 * k + 1), random_number(3 * k + 2)));
+            ++k;
+        }
+    }
+}
+
+// Every corner of the triangles once or, of more than `limit`, an even choice; in the order of the triangles.
+void add_vertex_samples(const std::vector<TriangleTree::Corners>& triangles, const std::vector<Vec3f>& positions,
+                        std::size_t limit, std::vector<Vec3f>& samples) {
+    if (positions.size() <= limit) {
+        samples.insert(samples.end(), positions.begin(), positions.end());
+        return;
+    }
+    const std::size_t corners = 3 * triangles.size(), count = std::min(limit, corners);
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t corner = k * corners / count;
+        samples.push_back(triangles[corner / 3][corner % 3]);
+    }
+}
+
+std::vector<Vec3f> used_positions(const mesh::Mesh& mesh) {
+    std::vector<bool> used(mesh.positions.size(), false);
+    std::vector<Vec3f> positions;
+    for (const mesh::Triangle& t : mesh.triangles)
+        for (const std::uint32_t v : t) {
+            if (used[v]) continue;
+            used[v] = true;
+            positions.push_back(mesh.positions[v]);
+        }
+    return positions;
+}
+
+}  // namespace
+
+struct SurfaceIndex::Impl {
+    explicit Impl(const mesh::Mesh& mesh) : tree(mesh) {
+        samples.reserve(2 * default_samples);
+        add_vertex_samples(tree.triangles(), used_positions(mesh), default_samples, samples);
+        vertices = samples.size();
+        add_area_samples(tree.triangles(), default_samples, samples);
+    }
+
+    TriangleTree tree;
+    std::vector<Vec3f> samples;
+    std::size_t vertices = 0;  // the first of the samples
+};
+
+SurfaceIndex::SurfaceIndex(const mesh::Mesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {}
+SurfaceIndex::~SurfaceIndex() = default;
+SurfaceIndex::SurfaceIndex(SurfaceIndex&&) noexcept = default;
+SurfaceIndex& SurfaceIndex::operator=(SurfaceIndex&&) noexcept = default;
+
+double SurfaceIndex::distance(const Vec3d& point, double hint) const {
+    const double squared = impl_->tree.squared_distance(point, hint * hint);
+    return squared < hint * hint ? std::sqrt(squared) : hint;
+}
+
+const std::vector<Vec3f>& SurfaceIndex::samples() const {
+    return impl_->samples;
+}
+
+namespace {
+
+// From `samples` to `surface`; the first `vertices` samples count for the maximum alone, unless they are all there is.
+SurfaceError one_sided(const std::vector<Vec3f>& samples, std::size_t vertices, const SurfaceIndex& surface) {
+    SurfaceError error;
+    const std::size_t first = vertices < samples.size() ? vertices : 0;
+    std::vector<double> distances;
+    distances.reserve(samples.size() - first);
+    double before = infinity;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        const Vec3d point(samples[i]);
+        const double step = i > 0 ? length(point - Vec3d(samples[i - 1])) : 0.0;
+        before = surface.distance(point, (before + step) * hint_slack);
+        error.max = std::max(error.max, before);
+        if (i >= first) distances.push_back(before);
+    }
+    if (!(error.max > 0)) return error;
+    double sum = 0;
+    for (const double d : distances) sum += (d / error.max) * (d / error.max);
+    error.rms = error.max * std::sqrt(sum / static_cast<double>(distances.size()));
+    return error;
+}
+
+}  // namespace
+
+SurfaceError measure(const SurfaceIndex& original, const mesh::Mesh& original_mesh, const mesh::Mesh& level) {
+    if (original_mesh.triangles.empty() || level.triangles.empty()) {
+        const double diagonal = std::max(mesh::bounds(original_mesh).diagonal(), mesh::bounds(level).diagonal());
+        return {diagonal, diagonal};
+    }
+    const SurfaceIndex level_index(level);
+    const SurfaceError out = one_sided(original.impl_->samples, original.impl_->vertices, level_index);
+    const SurfaceError back = one_sided(level_index.impl_->samples, level_index.impl_->vertices, original);
+    return {std::max(out.rms, back.rms), std::max(out.max, back.max)};
+}
+
+}  // namespace lodestream::metric

@@ -1,0 +1,234 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "server/importer/formats.h"
+#include "server/importer/gltf_accessor.h"
+#include "server/importer/gltf_document.h"
+#include "server/importer/gltf_material.h"
+#include "server/importer/gltf_nodes.h"
+#include "server/importer/gltf_primitive.h"
+
+namespace lodestream::importer {
+namespace {
+
+constexpr std::uint32_t glb_header_bytes = 12, chunk_header_bytes = 8;
+constexpr std::uint32_t json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;
+
+std::uint32_t u32_at(std::span<const std::byte> bytes, std::uint64_t offset) {
+    std::uint32_t value = 0;
+    for (std::uint64_t i = 4; i-- > 0;) value = value << 8 | std::to_integer<std::uint32_t>(bytes[offset + i]);
+    return value;
+}
+
+// Positions go through `position`, normals through `direction` (the inverse transpose up to a factor), and triangles
+// turn round where the transform mirrors.
+struct Transform {
+    Mat4d position{1.0};
+    Mat3d direction{1.0};
+    bool mirrors = false;
+};
+
+Transform transform_of(const Mat4d& matrix) {
+    Transform t;
+    t.position = matrix;
+    Mat3d m(matrix);
+    double size = 0;
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r) size = std::max(size, std::abs(m[c][r]));
+    if (size > 0 && std::isfinite(size)) m /= size;
+    // The cofactors are the inverse transpose times the determinant, and exist where a scale is zero.
+    const Mat3d cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+    t.mirrors = glm::dot(m[0], cofactors[0]) < 0;
+    t.direction = t.mirrors ? -1.0 * cofactors : cofactors;
+    return t;
+}
+
+class Reader {
+  public:
+    Reader(const GltfDocument& document, const Source& source, Soup& soup)
+        : document_(document),
+          source_(source),
+          soup_(soup),
+          accessors_(document, source.limits),
+          materials_(document, accessors_, source, soup) {}
+
+    Status read() {
+        warn_of_what_is_left_out();
+        Result<GltfScene> scene = walk_nodes(document_, accessors_, source_.limits);
+        if (!scene) return scene.error();
+        scene_ = std::move(*scene);
+        if (scene_.instances.empty() && !document_.json.meshes.empty())
+            return invalid_input("has meshes but no node that shows one");
+        const auto& all = scene_.instances;
+        for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+            while (end < all.size() && all[end].mesh == all[begin].mesh) ++end;
+            if (const Status read = read_mesh(std::span(all).subspan(begin, end - begin)); !read) return read;
+        }
+        soup_.objects = objects_;
+        if (objects_ > 1) soup_.kind = mesh::Kind::scene;
+        return Nothing{};
+    }
+
+  private:
+    void warn_of_what_is_left_out() {
+        for (const std::string& extension : document_.json.extensionsUsed)
+            if (!is_handled_gltf_extension(extension)) soup_.warn("extension " + extension.substr(0, 64) + " ignored");
+        if (document_.has_animations) soup_.warn("animations left out: taken in the rest pose");
+        if (!document_.json.skins.empty()) soup_.warn("skins taken in the rest pose");
+    }
+
+    Status read_mesh(std::span<const GltfInstance> instances) {
+        const tinygltf::Mesh& mesh = document_.json.meshes[static_cast<std::size_t>(instances.front().mesh)];
+        bool shown = false;
+        for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
+            const std::size_t before = soup_.triangles.size();
+            const Status added = add_primitive(mesh.primitives[i], mesh.weights, instances);
+            if (!added)
+                return fail(added.error().code, "mesh " + std::to_string(instances.front().mesh) + " primitive " +
+                                                    std::to_string(i) + ": " + added.error().message);
+            shown = shown || soup_.triangles.size() > before;
+        }
+        if (shown) objects_ += instances.size();
+        return Nothing{};
+    }
+
+    Status add_primitive(const tinygltf::Primitive& from, const std::vector<double>& weights,
+                         std::span<const GltfInstance> instances) {
+        const Result<GltfMaterialUse> use = materials_.use(from.material);
+        if (!use) return use.error();
+        const Result<GltfPrimitive> primitive =
+            read_primitive(from, weights, use->coordinates, accessors_, source_.limits);
+        if (!primitive) return primitive.error();
+        if (!from.targets.empty()) soup_.warn("morph targets taken at their default weights");
+        soup_.other_primitives += primitive->points_and_lines;
+        const std::uint64_t copies = instances.size();
+        if (const Status fits = admit(soup_.positions.size() + copies * primitive->positions.size(),
+                                      soup_.triangles.size() + copies * primitive->triangles.size(), source_.limits);
+            !fits)
+            return fits;
+        for (const GltfInstance& instance : instances)
+            if (const Status placed = place(*primitive, instance, use->material); !placed) return placed;
+        return Nothing{};
+    }
+
+    Status place(const GltfPrimitive& primitive, const GltfInstance& instance, std::uint32_t material) {
+        const auto first = static_cast<std::uint32_t>(soup_.positions.size());
+        Transform transform = transform_of(instance.to_world);
+        const bool skinned = instance.skin >= 0 && !primitive.joints.empty();
+        const std::vector<Mat4d>* joints = nullptr;
+        if (skinned) {
+            const Result<const std::vector<Mat4d>*> found = joints_of(instance.skin);
+            if (!found) return found.error();
+            joints = *found;
+            transform = Transform{};  // a skin replaces the node's own transform
+        }
+        for (std::uint32_t i = 0; i < primitive.positions.size(); ++i) {
+            if (skinned) transform = transform_of(skinned_matrix(*joints, primitive.joints[i], primitive.weights[i]));
+            const Vec3d p(primitive.positions[i]);
+            const std::uint32_t v = soup_.add_vertex(Vec3d(transform.position * Vec4d(p, 1.0)));
+            if (!primitive.normals.empty())
+                soup_.set_normal(v, Vec3f(transform.direction * Vec3d(primitive.normals[i])));
+            if (!primitive.texture_coordinates.empty())
+                soup_.set_texture_coordinate(v, primitive.texture_coordinates[i]);
+            if (!primitive.colors.empty()) soup_.set_color(v, primitive.colors[i]);
+        }
+        for (const auto& [a, b, c] : primitive.triangles) {
+            if (transform.mirrors)
+                soup_.add_triangle({first + a, first + c, first + b}, material);
+            else
+                soup_.add_triangle({first + a, first + b, first + c}, material);
+        }
+        return Nothing{};
+    }
+
+    // The weighted mean of the joints' matrices; of the unit matrix where no weight is left.
+    static Mat4d skinned_matrix(const std::vector<Mat4d>& joints, const Vec4f& which, const Vec4f& weights) {
+        Mat4d sum(0.0);
+        double total = 0;
+        for (int k = 0; k < 4; ++k) {
+            const double weight = weights[k];
+            if (!(weight > 0) || !(which[k] >= 0) || which[k] >= static_cast<float>(joints.size())) continue;
+            sum += weight * joints[static_cast<std::size_t>(which[k])];
+            total += weight;
+        }
+        return total > 0 && std::isfinite(total) ? sum / total : Mat4d(1.0);
+    }
+
+    // From the mesh's own space into the world, by joint.
+    Result<const std::vector<Mat4d>*> joints_of(int skin) {
+        const std::string name = "skin " + std::to_string(skin);
+        if (static_cast<std::size_t>(skin) >= document_.json.skins.size())
+            return invalid_input(name + " does not exist");
+        const auto known = skins_.find(skin);
+        if (known != skins_.end()) return &known->second;
+        const tinygltf::Skin& from = document_.json.skins[static_cast<std::size_t>(skin)];
+        std::vector<Mat4d> joints;
+        for (const int joint : from.joints) {
+            if (joint < 0 || static_cast<std::size_t>(joint) >= scene_.node_to_world.size())
+                return invalid_input(name + " has a joint that does not exist");
+            joints.push_back(scene_.node_to_world[static_cast<std::size_t>(joint)]);
+        }
+        if (from.inverseBindMatrices >= 0) {
+            const Result<GltfAccessors::Floats> inverse =
+                accessors_.floats(from.inverseBindMatrices, 16, 16, joints.size(), name);
+            if (!inverse) return inverse.error();
+            for (std::size_t j = 0; j < joints.size(); ++j) {
+                Mat4d bind;
+                for (int k = 0; k < 16; ++k) bind[k / 4][k % 4] = inverse->values[16 * j + static_cast<std::size_t>(k)];
+                joints[j] *= bind;
+            }
+        }
+        return &skins_.emplace(skin, std::move(joints)).first->second;
+    }
+
+    const GltfDocument& document_;
+    const Source& source_;
+    Soup& soup_;
+    GltfAccessors accessors_;
+    GltfMaterials materials_;
+    GltfScene scene_;
+    std::map<int, std::vector<Mat4d>> skins_;
+    std::uint64_t objects_ = 0;
+};
+
+Status read_document(std::span<const std::byte> json, std::span<const std::byte> chunk, const Source& source,
+                     Soup& soup) {
+    const Result<GltfDocument> document = open_gltf(json, chunk, source);
+    if (!document) return document.error();
+    return Reader(*document, source, soup).read();
+}
+
+}  // namespace
+
+Status read_gltf(const Source& source, Soup& soup) {
+    if (source.bytes.size() >= 4 && u32_at(source.bytes, 0) == 0x46546C67) return read_glb(source, soup);
+    return read_document(source.bytes, {}, source, soup);
+}
+
+Status read_glb(const Source& source, Soup& soup) {
+    const std::span<const std::byte> bytes = source.bytes;
+    if (bytes.size() < glb_header_bytes + chunk_header_bytes) return invalid_input("is too short for a GLB file");
+    if (u32_at(bytes, 0) != 0x46546C67) return invalid_input("does not begin with \"glTF\"");
+    const std::uint32_t version = u32_at(bytes, 4), length = u32_at(bytes, 8);
+    if (version != 2)
+        return fail(ErrorCode::unsupported, "is GLB version " + std::to_string(version) + "; only 2 is supported");
+    if (length > bytes.size())
+        return invalid_input("states " + std::to_string(length) + " bytes but holds " + std::to_string(bytes.size()));
+    std::span<const std::byte> json, binary;
+    std::uint64_t at = glb_header_bytes;
+    for (int chunk = 0; at + chunk_header_bytes <= length; ++chunk) {
+        const std::uint64_t size = u32_at(bytes, at);
+        const std::uint32_t type = u32_at(bytes, at + 4);
+        at += chunk_header_bytes;
+        if (size > length - at) return invalid_input("has a chunk longer than the file");
+        if (chunk == 0 && type != json_chunk) return invalid_input("does not begin with a JSON chunk");
+        if (chunk == 0) json = bytes.subspan(at, size);
+        if (chunk == 1 && type == binary_chunk) binary = bytes.subspan(at, size);
+        at += size;
+    }
+    if (json.empty()) return invalid_input("has no JSON chunk");
+    return read_document(json, binary, source, soup);
+}
+
+}  // namespace lodestream::importer

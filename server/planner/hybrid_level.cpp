@@ -1,0 +1,72 @@
+#include "server/planner/hybrid_level.h"
+
+#include <algorithm>
+#include <array>
+
+#include "common/shading/hybrid_split.h"
+
+namespace lodestream::planner {
+
+namespace {
+
+// Regions of the split, from the closest to the paper's own order to the cheapest border.
+constexpr std::array<std::uint32_t, 4> region_counts{64, 16, 4, 1};
+
+// What stays the same from one try to the next.
+struct Job {
+    const mesh::Model& model;
+    const mesh::Mesh& level;
+    const codec::EncodeOptions& options;
+    const Extras& extras;
+};
+
+proto::ShadingMode mode_of(std::uint64_t gouraud, std::uint64_t flat) {
+    if (flat == 0) return proto::ShadingMode::gouraud;
+    return gouraud == 0 ? proto::ShadingMode::flat : proto::ShadingMode::hybrid;
+}
+
+Result<EncodedSplit> encode_with(const Job& job, const std::vector<std::uint8_t>& gouraud) {
+    EncodedSplit result;
+    result.gouraud = static_cast<std::uint64_t>(std::count(gouraud.begin(), gouraud.end(), std::uint8_t{1}));
+    result.flat = gouraud.size() - result.gouraud;
+    result.mode = mode_of(result.gouraud, result.flat);
+
+    codec::EncodeOptions options = job.options;
+    options.extras_json = job.extras(result);
+    Result<codec::Encoded> encoded = codec::encode_level(job.model, job.level, gouraud, options);
+    if (!encoded) return encoded.error();
+    result.encoded = std::move(*encoded);
+    return result;
+}
+
+std::uint64_t wanted_gouraud(const SplitRequest& request, std::uint64_t triangles) {
+    switch (request.mode) {
+        case proto::ShadingMode::gouraud: return triangles;
+        case proto::ShadingMode::flat: return 0;
+        case proto::ShadingMode::hybrid: return shading::gouraud_count(triangles, request.distance);
+    }
+    return triangles;
+}
+
+}  // namespace
+
+Result<EncodedSplit> encode_split(const mesh::Model& model, const mesh::Mesh& level, const SplitRequest& request,
+                                  const codec::EncodeOptions& options, const Extras& extras) {
+    const Job job{model, level, options, extras};
+    const std::size_t triangles = level.triangles.size();
+    const std::uint64_t gouraud = wanted_gouraud(request, triangles);
+    if (gouraud == 0) return encode_with(job, std::vector<std::uint8_t>(triangles, 0));
+
+    Result<EncodedSplit> all_gouraud = encode_with(job, std::vector<std::uint8_t>(triangles, 1));
+    if (!all_gouraud || gouraud == triangles) return all_gouraud;
+    const std::uint64_t bytes_allowed = all_gouraud->encoded.glb.size();
+
+    const std::vector<std::uint32_t> order = shading::paper_order(level, model.materials, request.view, model.origin);
+    for (const std::uint32_t regions : region_counts) {
+        Result<EncodedSplit> hybrid = encode_with(job, shading::coherent_split(level, order, gouraud, regions));
+        if (!hybrid || hybrid->encoded.glb.size() <= bytes_allowed) return hybrid;
+    }
+    return all_gouraud;
+}
+
+}  // namespace lodestream::planner

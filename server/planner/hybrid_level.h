@@ -1,0 +1,39 @@
+// From a cut level to encoded content: the split that the request asks for, held to the law that a hybrid level is never
+// larger than the same level all Gouraud.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/codec/level_codec.h"
+#include "common/mesh/mesh.h"
+#include "common/shading/view.h"
+#include "proto/messages.h"
+
+namespace lodestream::planner {
+
+struct SplitRequest {
+    proto::ShadingMode mode = proto::ShadingMode::hybrid;
+    double distance = 0.0;  // the paper's d
+    shading::View view;     // world axes
+};
+
+struct EncodedSplit {
+    codec::Encoded encoded;
+    std::uint64_t gouraud = 0;
+    std::uint64_t flat = 0;
+    proto::ShadingMode mode = proto::ShadingMode::hybrid;  // what became of it
+};
+
+// The JSON that a level carries in its extras, from the split's counts and mode (its `encoded` is still empty then).
+using Extras = std::function<std::string(const EncodedSplit&)>;
+
+// `model` gives materials, images and origin. Tries ever fewer and larger regions until the hybrid level is not larger than
+// the all-Gouraud one, and sends that one if none is.
+Result<EncodedSplit> encode_split(const mesh::Model& model, const mesh::Mesh& level, const SplitRequest& request,
+                                  const codec::EncodeOptions& options, const Extras& extras);
+
+}  // namespace lodestream::planner

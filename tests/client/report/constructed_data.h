@@ -1,0 +1,78 @@
+// A report's data without a server: one asset, the device classes by name, plain numbers.
+#pragma once
+
+#include "client/report/data.h"
+
+namespace lodestream::report::testing {
+
+inline ModeResult mode_result(proto::ShadingMode mode, std::uint64_t bytes, double image_error_percent) {
+    ModeResult out;
+    out.mode = mode;
+    out.gouraud = mode == proto::ShadingMode::flat ? 0 : 60;
+    out.flat = 100 - out.gouraud;
+    out.bytes = bytes;
+    out.fetch_ms = 1.0;
+    out.decode_ms = 2.0;
+    out.frame_ms = 3.0;
+    out.image.percent = image_error_percent;
+    return out;
+}
+
+inline DeviceResult device_result(const std::string& name, double cpu_mhz) {
+    DeviceResult out;
+    out.device = name;
+    out.request.device.cpu_mhz = cpu_mhz;
+    out.request.display = budget::Display{320, 240};
+    out.plan.dlr = cpu_mhz / 3400.0;
+    out.plan.ncp = 110;
+    out.plan.budget.triangles = 100;
+    out.plan.budget.limited_by = "device";
+    out.plan.level.triangles = 100;
+    out.plan.level.rms_error_percent = 0.5;
+    out.plan.content.bytes = 900;
+    out.plan.timing_ms.cut = 0.25;
+    out.replan_ms = 0.5;
+    out.modes = {mode_result(proto::ShadingMode::hybrid, 900, 2.0), mode_result(proto::ShadingMode::gouraud, 1000, 1.0),
+                 mode_result(proto::ShadingMode::flat, 800, 3.0)};
+    return out;
+}
+
+inline AssetResult asset_result(const std::string& name) {
+    AssetResult out;
+    out.asset.name = name;
+    out.asset.triangles = 6400;
+    out.asset.bake_ms = 120.0;
+    out.diagonal = 2.0;
+    out.full_triangles = 6400;
+    out.full_bytes = 40'000;
+    out.devices = {device_result("desktop", 2460.0), device_result("phone", 70.0)};
+    for (std::uint64_t i = 0; i < 3; ++i) {
+        LadderLevel rung;
+        rung.index = i;
+        rung.level.triangles = 6400u >> i;
+        rung.level.rms_error = 0.01 * static_cast<double>(i);
+        rung.level.max_error = 0.02 * static_cast<double>(i);
+        rung.level.rms_error_percent = 0.5 * static_cast<double>(i);
+        rung.level.bytes = 40'000u >> i;
+        rung.level.encode_ms = 8.0 / static_cast<double>(i + 1);
+        for (const DeviceResult& device : out.devices)
+            rung.drawn.push_back({device.device, 4.0, 0.5, {0.1 * static_cast<double>(i), 0.0}});
+        out.ladder.push_back(rung);
+    }
+    out.split_device = "desktop";
+    for (const double d : {0.0, 0.5, 1.0})
+        out.split.push_back(
+            {d, 100, mode_result(proto::ShadingMode::hybrid, 1000 - static_cast<std::uint64_t>(200 * d), d)});
+    out.pictures = {{"phone", 320, 240, "png", "png", "png", "pictures/x.png"}};
+    return out;
+}
+
+inline ReportData report_data() {
+    ReportData data;
+    data.provenance = {
+        "lodestream-client report --out x", "0123abcd", "2024-01-01T00:00:00Z", "A CPU", 2, "A renderer", true, false};
+    data.assets = {asset_result("teapot")};
+    return data;
+}
+
+}  // namespace lodestream::report::testing

@@ -1,0 +1,78 @@
+#include "client/report/sections.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/client/report/constructed_data.h"
+
+namespace lodestream::report {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string joined(const std::vector<std::string>& lines) {
+    std::string out;
+    for (const std::string& line : lines) out += line + "\n";
+    return out;
+}
+
+const Section& section(const std::vector<Section>& all, const std::string& key) {
+    return *std::find_if(all.begin(), all.end(), [&](const Section& s) { return s.key == key; });
+}
+
+TEST(Sections, LinkTimeIsBytesOverRateAndTwoRoundTrips) {
+    EXPECT_DOUBLE_EQ(link_ms({2.0, 80.0}, 250'000), 1000.0 + 160.0);
+    EXPECT_DOUBLE_EQ(link_ms({100.0, 0.0}, 0.0), 0.0);
+}
+
+TEST(Sections, OverviewHasOneRowAnAssetAndDevice) {
+    ReportData data = testing::report_data();
+    data.assets.push_back(testing::asset_result("ship"));
+    EXPECT_EQ(overview_table(data).rows.size(), 4u);
+}
+
+TEST(Sections, EndToEndHasARowForEveryLevelDeviceAndLinkAndTheDevicesOwnLevel) {
+    const std::vector<Section> all = sections(testing::report_data());
+    EXPECT_EQ(section(all, "end_to_end").rows.rows.size(), (3u + 1u) * 2u * std::size(links));
+}
+
+TEST(Sections, CodecHasARowForEveryLevelAndEveryShadingModeOfADevice) {
+    const std::vector<Section> all = sections(testing::report_data());
+    EXPECT_EQ(section(all, "codec").rows.rows.size(), 3u + 2u * 3u);
+}
+
+TEST(Sections, EveryRowHasACellForEveryColumn) {
+    for (const Section& s : sections(testing::report_data())) {
+        EXPECT_FALSE(s.rows.rows.empty()) << s.key;
+        for (const auto& row : s.rows.rows) EXPECT_EQ(row.size(), s.rows.columns.size()) << s.key;
+    }
+}
+
+TEST(Sections, SummarySaysNeverMoreOnlyWhereHybridIsNeverLarger) {
+    ReportData data = testing::report_data();
+    EXPECT_THAT(joined(summary_html(data)), HasSubstr("never more"));
+    data.assets[0].devices[0].modes[0].bytes = 1001;
+    EXPECT_THAT(joined(summary_html(data)), HasSubstr("but more in 1 of 2 cases"));
+}
+
+TEST(Sections, SummaryCountsWhereHybridLiesBetweenFlatAndGouraud) {
+    ReportData data = testing::report_data();
+    EXPECT_THAT(joined(summary_html(data)), HasSubstr("in 2 of 2 cases"));
+    data.assets[0].devices[1].modes[0].image.percent = 9.0;
+    EXPECT_THAT(joined(summary_html(data)), HasSubstr("in 1 of 2 cases"));
+}
+
+TEST(Sections, SummaryCountsBudgetsThatWereExceeded) {
+    ReportData data = testing::report_data();
+    data.assets[0].devices[0].plan.level.triangles = 101;
+    EXPECT_THAT(joined(summary_html(data)), HasSubstr("<strong>1 of 2</strong> plans"));
+}
+
+TEST(Sections, WithoutAssetsThereIsASentenceAndNoRow) {
+    const ReportData data;
+    EXPECT_EQ(summary_html(data).size(), 1u);
+    for (const Section& s : sections(data)) EXPECT_TRUE(s.rows.rows.empty());
+}
+
+}  // namespace
+}  // namespace lodestream::report

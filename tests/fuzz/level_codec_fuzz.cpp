@@ -1,0 +1,46 @@
+// libFuzzer entry for the two readers of hostile geometry. Not part of the build:
+//   clang++ -std=c++20 -g -O1 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/level_codec_fuzz.cpp
+//   common/codec/*.cpp \
+//     -ldraco -o level_codec_fuzz && ./level_codec_fuzz -rss_limit_mb=2048 CORPUS
+// Seed CORPUS with levels that `lodestream-server cut` wrote. Bytes that do not begin as a GLB are read as a Draco
+// stream.
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+#include "common/codec/draco_mesh.h"
+#include "common/codec/level_codec.h"
+
+namespace {
+
+constexpr std::uint64_t max_elements = 1'000'000;
+
+void require(bool holds) {
+    if (!holds) std::abort();
+}
+
+void check(const lodestream::codec::Decoded& decoded) {
+    for (const auto& primitive : decoded.primitives) {
+        require(primitive.material < decoded.materials.size());
+        for (const auto& triangle : primitive.mesh.triangles)
+            for (const std::uint32_t vertex : triangle) require(vertex < primitive.mesh.positions.size());
+        for (const auto& position : primitive.mesh.positions) require(lodestream::all_finite(position));
+    }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const auto bytes = std::as_bytes(std::span(data, size));
+    if (size > 4 && data[0] == 'g') {
+        const auto decoded = lodestream::codec::decode_level(bytes);
+        if (decoded) check(*decoded);
+        return 0;
+    }
+    const auto mesh = lodestream::codec::decode_draco(bytes, max_elements, max_elements);
+    if (!mesh) return 0;
+    for (const auto& triangle : mesh->triangles)
+        for (const std::uint32_t vertex : triangle) require(vertex < mesh->points);
+    return 0;
+}

@@ -1,0 +1,269 @@
+// The real lodestream-server program over a real socket and a real store.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "proto/messages.h"
+#include "tests/server/http/raw_client.h"
+#include "tests/support/temporary_folder.h"
+
+namespace lodestream {
+namespace {
+
+namespace fs = std::filesystem;
+using http::RawClient;
+using http::RawResponse;
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+constexpr auto patience = std::chrono::seconds(240);  // for a small bake on a slow machine under a sanitizer
+
+// A started program whose standard output is read; killed with its object.
+class Program {
+  public:
+    explicit Program(std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), LODESTREAM_SERVER);
+        std::vector<char*> argv;
+        for (std::string& argument : arguments) argv.push_back(argument.data());
+        argv.push_back(nullptr);
+        int ends[2];
+        if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+        pid_ = ::fork();
+        if (pid_ == 0) {
+            ::dup2(ends[1], STDOUT_FILENO);
+            ::execv(argv[0], argv.data());
+            ::_exit(127);
+        }
+        ::close(ends[1]);
+        output_ = ::fdopen(ends[0], "r");
+    }
+    ~Program() {
+        if (pid_ > 0) {
+            ::kill(pid_, SIGKILL);
+            wait();
+        }
+        std::fclose(output_);
+    }
+    Program(const Program&) = delete;
+    Program& operator=(const Program&) = delete;
+
+    std::string read_line() {
+        std::string line;
+        for (int c = std::fgetc(output_); c != EOF && c != '\n'; c = std::fgetc(output_)) line += static_cast<char>(c);
+        return line;
+    }
+    void signal(int number) const { ::kill(pid_, number); }
+    // The exit code, or minus the signal that ended it.
+    int wait() {
+        int status = 0;
+        ::waitpid(pid_, &status, 0);
+        pid_ = -1;
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    }
+
+  private:
+    pid_t pid_ = -1;
+    std::FILE* output_ = nullptr;
+};
+
+class Server : public Program {
+  public:
+    explicit Server(const fs::path& store, std::vector<std::string> more = {})
+        : Program(arguments(store, std::move(more))), banner_(read_line()) {
+        const std::string prefix = "listening on http://127.0.0.1:";
+        if (!banner_.starts_with(prefix)) throw std::runtime_error("the server said \"" + banner_ + "\"");
+        port = static_cast<std::uint16_t>(std::stoi(banner_.substr(prefix.size())));
+    }
+
+    RawResponse call(const std::string& method, const std::string& target, const std::string& body = {},
+                     const std::string& fields = {}) {
+        RawClient client(port);
+        client.send(method + " " + target + " HTTP/1.1\r\nHost: test\r\n" + fields +
+                    "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
+        return client.receive();
+    }
+    json get(const std::string& target) { return json::parse(call("GET", target).body); }
+
+    // Polls until the asset leaves `baking`.
+    json wait_for(const std::string& id) {
+        const auto deadline = std::chrono::steady_clock::now() + patience;
+        json asset = get("/v1/assets/" + id);
+        while (asset.value("status", "") == "baking" && std::chrono::steady_clock::now() < deadline) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+            asset = get("/v1/assets/" + id);
+        }
+        return asset;
+    }
+
+    std::uint16_t port = 0;
+
+  private:
+    static std::vector<std::string> arguments(const fs::path& store, std::vector<std::string> more) {
+        std::vector<std::string> all{"serve", "--listen", "127.0.0.1:0", "--store", store.string()};
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
+    std::string banner_;
+};
+
+// A field of n×n quads with hills, as OBJ.
+std::string field(int n) {
+    std::string text;
+    for (int z = 0; z <= n; ++z)
+        for (int x = 0; x <= n; ++x)
+            text += "v " + std::to_string(x) + " " + std::to_string((x * 7 + z * 13) % 11 * 0.05) + " " +
+                    std::to_string(z) + "\n";
+    for (int z = 0; z < n; ++z)
+        for (int x = 0; x < n; ++x) {
+            const int a = z * (n + 1) + x + 1;
+            text += "f " + std::to_string(a) + " " + std::to_string(a + n + 1) + " " + std::to_string(a + n + 2) + " " +
+                    std::to_string(a + 1) + "\n";
+        }
+    return text;
+}
+
+std::string plan_for(const std::string& asset, double cpu_mhz) {
+    return R"({"asset":")" + asset + R"(","device":{"cpu_mhz":)" + std::to_string(cpu_mhz) + "}}";
+}
+
+TEST(ServerProgram, ServesAModelFromUploadToRemoval) {
+    testing::TemporaryFolder folder;
+    Server server(folder.path() / "store");
+    EXPECT_EQ(server.call("GET", "/readyz").status, 200);
+
+    const RawResponse created = server.call("POST", "/v1/assets?name=field", field(40));
+    ASSERT_EQ(created.status, 202) << created.body;
+    EXPECT_EQ(created.headers.at("location"), "/v1/assets/field");
+    const json asset = server.wait_for("field");
+    ASSERT_EQ(asset["status"], "ready") << asset;
+    EXPECT_EQ(asset["triangles"], 3200);
+    EXPECT_EQ(asset["levels"][0]["triangles"], 3200);
+    for (std::size_t i = 1; i < asset["levels"].size(); ++i)
+        EXPECT_LT(asset["levels"][i]["triangles"], asset["levels"][i - 1]["triangles"]);
+
+    const RawResponse answer = server.call("POST", "/v1/plans", plan_for("field", 300));
+    ASSERT_EQ(answer.status, 200) << answer.body;
+    const auto plan = proto::parse_plan_response(answer.body);
+    ASSERT_TRUE(plan) << plan.error().message;
+    EXPECT_EQ(plan->budget.limited_by, "device");
+    EXPECT_LE(plan->level.triangles, plan->budget.triangles);
+    EXPECT_EQ(plan->shading.gouraud + plan->shading.flat, plan->level.triangles);
+
+    const RawResponse level = server.call("GET", plan->content.url);
+    EXPECT_EQ(level.status, 200);
+    EXPECT_EQ(level.body.size(), plan->content.bytes);
+    EXPECT_EQ(level.body.substr(0, 4), "glTF");
+    EXPECT_EQ(server.call("GET", plan->content.url, {}, "If-None-Match: " + level.headers.at("etag") + "\r\n").status,
+              304);
+    EXPECT_EQ(server.call("GET", plan->content.url, {}, "Range: bytes=0-3\r\n").body, "glTF");
+    EXPECT_EQ(json::parse(server.call("POST", "/v1/plans", plan_for("field", 300)).body)["content"]["url"],
+              plan->content.url);
+    EXPECT_EQ(server.get("/v1/assets/field/tileset.json")["root"]["content"]["uri"], asset["levels"].back()["url"]);
+    EXPECT_THAT(server.call("GET", "/metrics").body, HasSubstr("lodestream_plans_total{limited_by=\"device\"} 2\n"));
+
+    EXPECT_EQ(server.call("DELETE", "/v1/assets/field").status, 204);
+    EXPECT_EQ(server.call("GET", plan->content.url).status, 404);
+    EXPECT_EQ(server.get("/v1/assets")["assets"].size(), 0u);
+    server.signal(SIGTERM);
+    EXPECT_EQ(server.wait(), 0);
+}
+
+TEST(ServerProgram, KeepsItsAssetsAcrossARestart) {
+    testing::TemporaryFolder folder;
+    std::string url;
+    {
+        Server server(folder.path() / "store");
+        ASSERT_EQ(server.call("POST", "/v1/assets?name=field", field(12)).status, 202);
+        url = server.wait_for("field")["levels"][0]["url"];
+        server.signal(SIGINT);
+        EXPECT_EQ(server.wait(), 0);
+    }
+    Server server(folder.path() / "store");
+    EXPECT_EQ(server.get("/v1/assets/field")["status"], "ready");
+    EXPECT_EQ(server.call("GET", url).status, 200);
+    EXPECT_EQ(server.call("POST", "/v1/plans", plan_for("field", 50)).status, 200);
+}
+
+TEST(ServerProgram, IsConsistentAfterAKillInTheMiddleOfABake) {
+    testing::TemporaryFolder folder;
+    const fs::path store = folder.path() / "store";
+    for (int round = 0; round < 3; ++round) {
+        Server server(store);
+        if (round > 0) {
+            const json asset = server.get("/v1/assets/field");
+            EXPECT_EQ(asset["status"], "failed");
+            EXPECT_THAT(asset["error"].get<std::string>(), HasSubstr("stopped during the bake"));
+        }
+        ASSERT_EQ(server.call("POST", "/v1/assets?name=field", field(150)).status, 202);
+        std::this_thread::sleep_for(std::chrono::milliseconds(40 * round));
+        ASSERT_EQ(server.get("/v1/assets/field")["status"], "baking");
+        server.signal(SIGKILL);
+        EXPECT_EQ(server.wait(), -SIGKILL);
+    }
+    Server server(store);
+    EXPECT_TRUE(fs::is_empty(store / "incoming"));
+    ASSERT_EQ(server.call("POST", "/v1/assets?name=field", field(12)).status, 202);
+    const json asset = server.wait_for("field");
+    ASSERT_EQ(asset["status"], "ready") << asset;
+    for (const json& level : asset["levels"]) EXPECT_EQ(server.call("GET", level["url"]).body.size(), level["bytes"]);
+}
+
+TEST(ServerProgram, StopsInTheMiddleOfABake) {
+    testing::TemporaryFolder folder;
+    {
+        Server server(folder.path() / "store");
+        ASSERT_EQ(server.call("POST", "/v1/assets?name=field", field(150)).status, 202);
+        server.signal(SIGTERM);
+        EXPECT_EQ(server.wait(), 0);
+    }
+    Server server(folder.path() / "store");
+    EXPECT_THAT(server.get("/v1/assets/field")["error"].get<std::string>(), HasSubstr("stopped during the bake"));
+}
+
+TEST(ServerProgram, AsksForItsToken) {
+    testing::TemporaryFolder folder;
+    std::ofstream(folder.path() / "token") << "s3cret\n";
+    Server server(folder.path() / "store", {"--token-file", (folder.path() / "token").string()});
+    EXPECT_EQ(server.call("POST", "/v1/assets?name=field", field(4)).status, 401);
+    EXPECT_EQ(server.call("POST", "/v1/assets?name=field", field(4), "Authorization: Bearer s3cret\r\n").status, 202);
+}
+
+TEST(ServerProgram, BakesBesideARunningServer) {
+    testing::TemporaryFolder folder;
+    const fs::path store = folder.path() / "store";
+    std::ofstream(folder.path() / "field.obj") << field(12);
+    Server server(store);
+    Program bake({"bake", (folder.path() / "field.obj").string(), "--store", store.string(), "--json"});
+    const json record = json::parse(bake.read_line());
+    EXPECT_EQ(bake.wait(), 0);
+    EXPECT_EQ(record["asset"], "field");
+    const json asset = server.get("/v1/assets/field");
+    EXPECT_EQ(asset["status"], "ready");
+    EXPECT_EQ(server.call("GET", asset["levels"][0]["url"]).status, 200);
+    EXPECT_EQ(server.call("POST", "/v1/plans", plan_for("field", 50)).status, 200);
+}
+
+TEST(ServerProgram, SaysInOneLineWhyItCannotServe) {
+    testing::TemporaryFolder folder;
+    Server server(folder.path() / "store");
+    Program second({"serve", "--listen", "127.0.0.1:" + std::to_string(server.port), "--store",
+                    (folder.path() / "other").string()});
+    EXPECT_EQ(second.read_line(), "");
+    EXPECT_EQ(second.wait(), 1);
+    std::ofstream(folder.path() / "file") << "x";
+    Program third({"serve", "--store", (folder.path() / "file").string()});
+    EXPECT_EQ(third.wait(), 1);
+    Program fourth({"serve"});
+    EXPECT_EQ(fourth.wait(), 2);
+}
+
+}  // namespace
+}  // namespace lodestream

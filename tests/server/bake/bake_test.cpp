@@ -1,0 +1,137 @@
+#include "server/bake/bake.h"
+
+#include <gtest/gtest.h>
+
+#include "common/mesh/operations.h"
+#include "tests/support/meshes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace lodestream::bake {
+namespace {
+
+mesh::Model sphere_model(std::uint32_t n) {
+    mesh::Model model;
+    model.mesh = testing::sphere(n);
+    model.materials.resize(1);
+    return model;
+}
+
+proto::Asset named(const std::string& name) {
+    proto::Asset asset;
+    asset.id = asset.name = name;
+    return asset;
+}
+
+BakedModel small_baked() {
+    BakedModel baked{sphere_model(6), {}};
+    baked.model.materials[0].name = "clay";
+    baked.model.materials[0].base_color_texture.image = 0;
+    baked.model.images = {{"image/png", std::vector<std::byte>(5, std::byte{7}), 1, 1}};
+    baked.model.origin = {1e7, 2, 3};
+    baked.history = *simplify::record_history(baked.model.mesh);
+    return baked;
+}
+
+struct BakeTest : ::testing::Test {
+    testing::TemporaryFolder folder;
+    store::Store store = *store::Store::open(folder.path());
+};
+
+TEST(BakedModel, ComesBackAsItWent) {
+    const BakedModel baked = small_baked();
+    const std::vector<std::byte> bytes = serialize(baked);
+    const Result<BakedModel> back = deserialize(bytes);
+    ASSERT_TRUE(back.ok()) << back.error().message;
+    EXPECT_EQ(serialize(*back), bytes);
+    EXPECT_EQ(back->model.origin, baked.model.origin);
+    EXPECT_EQ(back->model.materials[0].name, "clay");
+}
+
+TEST(BakedModel, RefusesEveryTruncation) {
+    const std::vector<std::byte> bytes = serialize(small_baked());
+    for (std::size_t size = 0; size < bytes.size(); size += 1 + size / 64)
+        EXPECT_FALSE(deserialize(std::span(bytes).first(size)).ok()) << size;
+    std::vector<std::byte> longer = bytes;
+    longer.push_back(std::byte{0});
+    EXPECT_FALSE(deserialize(longer).ok());
+}
+
+TEST(BakedModel, SurvivesEveryFlippedByte) {
+    const std::vector<std::byte> bytes = serialize(small_baked());
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        std::vector<std::byte> damaged = bytes;
+        damaged[i] ^= std::byte{0xff};
+        const Result<BakedModel> back = deserialize(damaged);
+        if (!back) continue;
+        for (const std::uint64_t n : {1u, 17u, 60u}) EXPECT_LE(simplify::cut(back->model.mesh, back->history, n).triangles.size(), n);
+    }
+}
+
+TEST_F(BakeTest, LadderHalvesDownToItsFloorAndErrorsGrow) {
+    const Result<proto::Asset> asset = bake(store, named("sphere"), sphere_model(40));
+    ASSERT_TRUE(asset.ok()) << asset.error().message;
+    ASSERT_GE(asset->levels.size(), 5u);
+    EXPECT_EQ(asset->levels.front().triangles, 3120u);
+    EXPECT_EQ(asset->levels.front().rms_error, 0.0);
+    for (std::size_t i = 1; i < asset->levels.size(); ++i) {
+        const proto::Level &finer = asset->levels[i - 1], &level = asset->levels[i];
+        EXPECT_LE(level.triangles, finer.triangles / 2 + 1);
+        EXPECT_GT(level.rms_error, finer.rms_error);
+        EXPECT_GE(level.max_error, level.rms_error);
+        EXPECT_LT(level.bytes, finer.bytes);
+        EXPECT_GE(level.triangles, ladder_floor / 2);
+    }
+    EXPECT_EQ(store.asset("sphere")->status, proto::AssetStatus::ready);
+}
+
+TEST_F(BakeTest, EveryRungIsInTheStoreUnderItsUrl) {
+    const Result<proto::Asset> asset = bake(store, named("sphere"), sphere_model(20));
+    ASSERT_TRUE(asset.ok());
+    for (const proto::Level& level : asset->levels) {
+        const Result<store::Store::Content> content = store.content("sphere", ladder_key(level.triangles));
+        ASSERT_TRUE(content.ok());
+        EXPECT_EQ(content_url(content->file.hash), level.url);
+        EXPECT_EQ(content->file.bytes, level.bytes);
+    }
+}
+
+TEST_F(BakeTest, OneTriangleIsALadderOfOne) {
+    mesh::Model model;
+    model.mesh = mesh::with_normals(testing::single_triangle(), 60.0);
+    model.materials.resize(1);
+    const Result<proto::Asset> asset = bake(store, named("one"), model);
+    ASSERT_TRUE(asset.ok()) << asset.error().message;
+    EXPECT_EQ(asset->levels.size(), 1u);
+}
+
+TEST_F(BakeTest, NothingIsRefusedAndNotKept) {
+    EXPECT_FALSE(bake(store, named("empty"), mesh::Model{}).ok());
+    EXPECT_FALSE(store.asset("empty").ok());
+}
+
+TEST_F(BakeTest, CancelledLeavesTheAssetFailed) {
+    BakeOptions options;
+    options.progress = [](double) { return false; };
+    EXPECT_FALSE(bake(store, named("sphere"), sphere_model(40), options).ok());
+    EXPECT_EQ(store.asset("sphere")->status, proto::AssetStatus::failed);
+    EXPECT_NE(store.asset("sphere")->error.find("cancelled"), std::string::npos);
+}
+
+TEST_F(BakeTest, TwiceGivesTheSameBytes) {
+    ASSERT_TRUE(bake(store, named("a"), sphere_model(24)).ok());
+    ASSERT_TRUE(bake(store, named("b"), sphere_model(24)).ok());
+    EXPECT_EQ(store.content("a", baked_key)->file.hash, store.content("b", baked_key)->file.hash);
+    for (std::size_t i = 0; i < store.asset("a")->levels.size(); ++i)
+        EXPECT_EQ(store.asset("a")->levels[i].url, store.asset("b")->levels[i].url);
+}
+
+TEST(AssetId, IsSafeInAUrl) {
+    EXPECT_EQ(*asset_id("Bunny 69k.v2"), "bunny-69k.v2");
+    EXPECT_EQ(*asset_id("../../etc"), "-.-..-etc");
+    EXPECT_EQ(*asset_id("ü"), "--");
+    EXPECT_FALSE(asset_id("").ok());
+    EXPECT_FALSE(asset_id(std::string(max_name_length + 1, 'a')).ok());
+}
+
+}  // namespace
+}  // namespace lodestream::bake

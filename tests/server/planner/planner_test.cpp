@@ -1,0 +1,202 @@
+#include "server/planner/planner.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "common/codec/level_codec.h"
+#include "server/bake/bake.h"
+#include "server/samples/samples.h"
+#include "tests/support/meshes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace lodestream::planner {
+namespace {
+
+// The teapot and a bumpy grid, baked once for all cases.
+struct Baked {
+    testing::TemporaryFolder folder;
+    store::Store store = *store::Store::open(folder.path());
+    Planner planner{store};
+
+    Baked() {
+        add("teapot", *samples::teapot());
+        mesh::Model hills;
+        hills.mesh = testing::grid(40, [](double x, double z) { return 2.0 * std::sin(x / 3.0) * std::cos(z / 4.0); });
+        hills.mesh.normals.assign(hills.mesh.positions.size(), {0, 1, 0});
+        hills.materials.resize(1);
+        add("hills", hills);
+        proto::Asset baking;
+        baking.id = baking.name = "baking";
+        EXPECT_TRUE(store.put_asset(baking).ok());
+    }
+    void add(const std::string& name, const mesh::Model& model) {
+        proto::Asset asset;
+        asset.id = asset.name = name;
+        const Result<proto::Asset> baked = ::lodestream::bake::bake(store, asset, model);
+        EXPECT_TRUE(baked.ok()) << baked.error().message;
+    }
+};
+
+Baked& baked() {
+    static Baked instance;
+    return instance;
+}
+
+proto::PlanRequest request_for(const std::string& asset, double mhz) {
+    proto::PlanRequest request;
+    request.asset = asset;
+    request.budget.device.cpu_mhz = mhz;
+    return request;
+}
+
+proto::PlanRequest contract_example() {
+    proto::PlanRequest request = request_for("teapot", 300);
+    request.budget.device.memory_mb = 64;
+    request.budget.display = budget::Display{800, 600};
+    request.budget.network = budget::Network{2, 80, 3};
+    request.budget.reference = {3400, 6400};
+    request.view = shading::View{{0, 0, 5}, {0, 0, 0}, 45, {0.3, 1, 0.5}};
+    return request;
+}
+
+// The whole teapot at a distance where a good part of it is flat: large enough for the split to pay.
+proto::PlanRequest large_hybrid() {
+    proto::PlanRequest request = request_for("teapot", 3400);
+    request.view = shading::View{{0, 0, 25}, {0, 0, 0}, 45, {0.3, 1, 0.5}};
+    return request;
+}
+
+std::vector<std::byte> bytes_of(const proto::PlanResponse& plan) {
+    const std::string hash = plan.content.url.substr(plan.content.url.rfind('/') + 1, 64);
+    return *store::read_file(baked().store.file(hash, "glb")->path, 1 << 30);
+}
+
+TEST(Planner, AnswersTheContractsExample) {
+    const Result<proto::PlanResponse> plan = baked().planner.plan(contract_example());
+    ASSERT_TRUE(plan.ok()) << plan.error().message;
+    EXPECT_EQ(plan->ncp, 564u);
+    EXPECT_EQ(plan->budget.limited_by, "device");
+    EXPECT_EQ(plan->level.triangles, 564u);
+    EXPECT_DOUBLE_EQ(plan->shading.distance, 0.4);
+    EXPECT_EQ(plan->shading.gouraud + plan->shading.flat, 564u);
+    EXPECT_EQ(plan->shading.operations.criterion, 9u * 564u);
+    EXPECT_GT(plan->level.rms_error, 0.0);
+    EXPECT_GT(plan->level.screen_space_error_px, 0.0);
+    EXPECT_EQ(plan->content.bytes, bytes_of(*plan).size());
+}
+
+TEST(Planner, ContentDecodesToThePlansCounts) {
+    const proto::PlanResponse plan = *baked().planner.plan(large_hybrid());
+    EXPECT_EQ(plan.shading.mode, "hybrid");
+    EXPECT_EQ(plan.shading.gouraud, static_cast<std::uint64_t>(std::round((1.0 - plan.shading.distance) * 6400.0)));
+    const Result<codec::Decoded> level = codec::decode_level(bytes_of(plan));
+    ASSERT_TRUE(level.ok()) << level.error().message;
+    std::uint64_t gouraud = 0, flat = 0;
+    for (const codec::Primitive& p : level->primitives)
+        (p.shading == codec::Shading::flat ? flat : gouraud) += p.mesh.triangles.size();
+    EXPECT_EQ(gouraud, plan.shading.gouraud);
+    EXPECT_EQ(flat, plan.shading.flat);
+    EXPECT_NE(level->extras_json.find("\"gouraud\":" + std::to_string(gouraud)), std::string::npos);
+}
+
+TEST(Planner, TheSamePlanComesFromTheStore) {
+    const proto::PlanResponse first = *baked().planner.plan(contract_example());
+    const proto::PlanResponse again = *baked().planner.plan(contract_example());
+    EXPECT_EQ(again.content.url, first.content.url);
+    EXPECT_EQ(again.timing_ms.encode, 0.0);
+    EXPECT_EQ(again.left_out.size(), first.left_out.size());
+    EXPECT_DOUBLE_EQ(again.level.rms_error, first.level.rms_error);
+}
+
+TEST(Planner, PureModesSendAllOrNoNormals) {
+    for (proto::PlanRequest request : {contract_example(), large_hybrid()}) {
+        const proto::PlanResponse hybrid = *baked().planner.plan(request);
+        request.shading = proto::ShadingMode::gouraud;
+        const proto::PlanResponse gouraud = *baked().planner.plan(request);
+        request.shading = proto::ShadingMode::flat;
+        const proto::PlanResponse flat = *baked().planner.plan(request);
+        EXPECT_EQ(gouraud.shading.flat, 0u);
+        EXPECT_EQ(flat.shading.gouraud, 0u);
+        EXPECT_LT(flat.content.bytes, gouraud.content.bytes);
+        EXPECT_LE(hybrid.content.bytes, gouraud.content.bytes);
+    }
+}
+
+TEST(Planner, NearIsAllGouraudAndFarAllFlat) {
+    proto::PlanRequest request = contract_example();
+    request.view->eye = {0, 0, 1};
+    EXPECT_EQ(baked().planner.plan(request)->shading.flat, 0u);
+    request.view->eye = {0, 0, 1e6};
+    EXPECT_EQ(baked().planner.plan(request)->shading.gouraud, 0u);
+}
+
+// The law of the service: never above the budget, and equal to it wherever the mesh allows.
+TEST(Planner, LevelsOfAThousandRandomDevicesHoldTheirBudget) {
+    std::mt19937_64 random(11);
+    std::uniform_real_distribution<double> exponent(-1.0, 4.0);
+    std::size_t equal = 0;
+    constexpr int devices = 1000;
+    for (int i = 0; i < devices; ++i) {
+        proto::PlanRequest request = request_for(i % 2 ? "teapot" : "hills", std::pow(10.0, exponent(random)));
+        request.budget.device.gpu = random() % 2 ? budget::Gpu::discrete : budget::Gpu::none;
+        if (random() % 2) request.budget.display = budget::Display{1 + static_cast<std::uint32_t>(random() % 3000), 1 + static_cast<std::uint32_t>(random() % 2000)};
+        if (random() % 2) request.budget.device.memory_mb = std::pow(10.0, exponent(random) - 2.0);
+        if (random() % 2) request.budget.network = budget::Network{std::pow(10.0, exponent(random) - 3.0), static_cast<double>(random() % 400), 2};
+        request.shading = proto::ShadingMode::flat;  // the count does not depend on the split, and flat encodes fastest
+        const Result<proto::PlanResponse> plan = baked().planner.plan(request);
+        ASSERT_TRUE(plan.ok()) << plan.error().message;
+        ASSERT_GE(plan->level.triangles, 1u);
+        ASSERT_LE(plan->level.triangles, plan->budget.triangles);
+        ASSERT_GE(plan->level.triangles + 2, plan->budget.triangles);
+        ASSERT_EQ(plan->shading.gouraud + plan->shading.flat, plan->level.triangles);
+        equal += plan->level.triangles == plan->budget.triangles;
+    }
+    EXPECT_GT(equal, devices / 2u);
+    RecordProperty("equal_to_budget", static_cast<int>(equal));
+}
+
+TEST(Planner, ContentFitsTheNetwork) {
+    for (const double mbps : {0.02, 0.03, 0.05}) {
+        proto::PlanRequest request = request_for("hills", 3400);
+        request.budget.network = budget::Network{mbps, 100, 1};
+        const proto::PlanResponse plan = *baked().planner.plan(request);
+        EXPECT_EQ(plan.budget.limited_by, "network");
+        EXPECT_LE(static_cast<double>(plan.content.bytes) * 8 / (mbps * 1e6) + 0.1, 1.0 + 1e-9);
+    }
+}
+
+TEST(Planner, InfeasibleGetsTheLeastThereIsAndSaysSo) {
+    proto::PlanRequest request = request_for("teapot", 3400);
+    request.budget.network = budget::Network{0.0001, 0, 0.1};
+    const proto::PlanResponse plan = *baked().planner.plan(request);
+    EXPECT_EQ(plan.level.triangles, 1u);
+    EXPECT_FALSE(plan.budget.feasible);
+    ASSERT_FALSE(plan.warnings.empty());
+    EXPECT_NE(plan.warnings.back().find("less than one triangle"), std::string::npos);
+}
+
+TEST(Planner, RefusesWhatItCannotServe) {
+    EXPECT_EQ(baked().planner.plan(request_for("nobody", 300)).error().code, ErrorCode::not_found);
+    EXPECT_EQ(baked().planner.plan(request_for("baking", 300)).error().code, ErrorCode::unavailable);
+    EXPECT_EQ(baked().planner.plan(request_for("teapot", -1)).error().code, ErrorCode::invalid_input);
+    proto::PlanRequest lean = request_for("teapot", 300);
+    lean.profile = proto::Profile::lean;
+    EXPECT_EQ(baked().planner.plan(lean).error().code, ErrorCode::unsupported);
+    EXPECT_EQ(baked().planner.cut("teapot", 0).error().code, ErrorCode::invalid_input);
+}
+
+TEST(Planner, ExtremeViewsGiveFiniteAnswers) {
+    for (const double far : {1e-30, 1e30, 1e300}) {
+        proto::PlanRequest request = request_for("hills", 100);
+        request.view = shading::View{{far, far, far}, {0, 0, 0}, 45, {far, 1, 0}};
+        const Result<proto::PlanResponse> plan = baked().planner.plan(request);
+        ASSERT_TRUE(plan.ok()) << plan.error().message;
+        EXPECT_TRUE(std::isfinite(plan->level.screen_space_error_px));
+        EXPECT_TRUE(std::isfinite(plan->shading.distance));
+    }
+}
+
+}  // namespace
+}  // namespace lodestream::planner

@@ -1,0 +1,90 @@
+// Starts the real server for a test, and fetches what it serves.
+import { spawn } from "node:child_process";
+import { mkdtemp, readFile, rm } from "node:fs/promises";
+import { createServer } from "node:net";
+import { tmpdir } from "node:os";
+import path from "node:path";
+
+const ready_limit_ms = 400_000;
+const poll_ms = 250;
+const stop_limit_ms = 10_000;
+
+const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+async function free_port() {
+  const probe = createServer();
+  await new Promise((resolve) => probe.listen(0, "127.0.0.1", resolve));
+  const { port } = probe.address();
+  await new Promise((resolve) => probe.close(resolve));
+  return port;
+}
+
+async function get_json(url, options) {
+  const answer = await fetch(url, options);
+  const body = await answer.json();
+  if (!answer.ok) throw new Error(`${url}: ${answer.status} ${body.title}: ${body.detail}`);
+  return body;
+}
+
+export const list_assets = async (url) => (await get_json(`${url}/v1/assets`)).assets;
+
+// Resolves once no asset is baking any more.
+async function baked(url, child) {
+  const end = Date.now() + ready_limit_ms;
+  let baking = ["none listed yet"];
+  while (Date.now() < end) {
+    if (child.exitCode !== null) throw new Error(`the server stopped with exit code ${child.exitCode}`);
+    const ready = await fetch(`${url}/readyz`).then((answer) => answer.ok, () => false);
+    const assets = ready ? await list_assets(url) : [];
+    if (ready) baking = assets.filter(({ status }) => status === "baking").map(({ name, progress }) => `${name} at ${progress}`);
+    if (assets.length > 0 && baking.length === 0) return;
+    await pause(poll_ms);
+  }
+  throw new Error(`still baking after ${ready_limit_ms / 1000} s: ${baking.join(", ")}`);
+}
+
+// Runs `use(url)` against a server with the samples and, where given, the models of a folder.
+export async function with_server(program, assets, use) {
+  const store = await mkdtemp(path.join(tmpdir(), "lodestream-web-"));
+  const url = `http://127.0.0.1:${await free_port()}`;
+  const args = ["serve", "--listen", url.slice("http://".length), "--store", store, "--samples"];
+  const child = spawn(program, assets ? [...args, "--assets", assets] : args, { stdio: ["ignore", "ignore", "inherit"] });
+  const stopped = new Promise((resolve) => child.on("exit", resolve));
+  try {
+    await baked(url, child);
+    return await use(url);
+  } finally {
+    child.kill("SIGTERM");
+    await Promise.race([stopped, pause(stop_limit_ms).then(() => child.kill("SIGKILL"))]);
+    await rm(store, { recursive: true, force: true });
+  }
+}
+
+async function fetch_glb(url, name) {
+  const answer = await fetch(url);
+  if (!answer.ok) throw new Error(`${url}: ${answer.status}`);
+  return { name, bytes: Buffer.from(await answer.arrayBuffer()) };
+}
+
+// The GLB of every level of every ready asset, as {name, bytes}.
+export async function collect_levels(url) {
+  const glbs = [];
+  for (const asset of await list_assets(url))
+    for (const level of asset.status === "ready" ? asset.levels : [])
+      glbs.push(await fetch_glb(new URL(level.url, url), `${asset.name}, level of ${level.triangles}`));
+  return glbs;
+}
+
+// The GLB that each device's plan answers with, for every ready asset.
+export async function collect_plans(url, device_files) {
+  const glbs = [];
+  for (const file of device_files) {
+    const device = JSON.parse(await readFile(file));
+    for (const asset of (await list_assets(url)).filter(({ status }) => status === "ready")) {
+      const body = JSON.stringify({ asset: asset.name, ...device });
+      const plan = await get_json(`${url}/v1/plans`, { method: "POST", headers: { "content-type": "application/json" }, body });
+      glbs.push(await fetch_glb(new URL(plan.content.url, url), `${asset.name}, plan for ${path.basename(file, ".json")}`));
+    }
+  }
+  return glbs;
+}

@@ -1,0 +1,37 @@
+// Judges a GLB's structure: the Khronos validator, and the validator again on what glTF-Transform decodes from Draco,
+// because the validator does not look inside Draco.
+import { NodeIO } from "@gltf-transform/core";
+import { ALL_EXTENSIONS, KHRDracoMeshCompression } from "@gltf-transform/extensions";
+import draco3d from "draco3dgltf";
+import validator from "gltf-validator";
+
+const max_issues_shown = 5;
+const error_severity = 0;
+const warning_severity = 1;
+
+const io = new NodeIO()
+  .registerExtensions(ALL_EXTENSIONS)
+  .registerDependencies({ "draco3d.decoder": await draco3d.createDecoderModule() });
+
+async function issues(bytes, worst_allowed, where) {
+  const report = await validator.validateBytes(bytes, { maxIssues: 0 });
+  const bad = report.issues.messages.filter((message) => message.severity < worst_allowed);
+  const shown = bad.slice(0, max_issues_shown).map((m) => `${where}: ${m.code} ${m.message} at ${m.pointer ?? m.offset}`);
+  return bad.length > shown.length ? [...shown, `${where}: ${bad.length - shown.length} more`] : shown;
+}
+
+async function decoded(bytes) {
+  const document = await io.readBinary(bytes);
+  document.getRoot().listExtensionsUsed().find((used) => used instanceof KHRDracoMeshCompression)?.dispose();
+  return io.writeBinary(document);
+}
+
+// The list of what is wrong; empty where all is well.
+export async function structure_problems(bytes) {
+  const problems = await issues(bytes, warning_severity + 1, "validator");
+  try {
+    return [...problems, ...(await issues(await decoded(bytes), error_severity + 1, "validator, decoded"))];
+  } catch (error) {
+    return [...problems, `glTF-Transform: ${error.message}`];
+  }
+}

@@ -1,0 +1,60 @@
+// The real server bakes the samples and a few telling models; every ladder level and the plans of the four devices are judged.
+//   node tests/web/validate_served.mjs LODESTREAM_SERVER GLB_INSPECT
+import { existsSync } from "node:fs";
+import { cp, mkdir, mkdtemp, readdir, rm } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { fileURLToPath } from "node:url";
+
+import { collect_levels, collect_plans, list_assets, with_server } from "./server.mjs";
+import { check_glbs } from "./validate.mjs";
+
+const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
+const shared_data = process.env.LODESTREAM_DATA ?? path.join(root, "../shared/data");
+
+const models = [
+  "gltf/Duck.glb", // textured, UV seams
+  "gltf/cube_vertexcolor.glb",
+  "gltf/pins_instances.glb",
+  "scene/CesiumMilkTruck.glb", // textured, four materials
+  "scene/delft_city.glb", // 570 components
+  "hard/mat_test_7materials.obj",
+  "hard/mat_test.mtl",
+  "hard/cycloidal_100comp_color.ply",
+  "hard/edge_with_four_triangles.off",
+  "hard/large_block_offset.STL",
+  "classic/dragon_11k_res4.ply", // non-manifold
+  "terrain/stubai_10m_georef_window.obj", // far from the origin
+];
+
+async function copy_models(folder) {
+  if (!existsSync(shared_data)) {
+    console.log(`${shared_data} is not here: the samples alone are checked`);
+    return;
+  }
+  await mkdir(folder, { recursive: true });
+  for (const model of models) await cp(path.join(shared_data, model), path.join(folder, path.basename(model)));
+}
+
+function distinct(glbs) {
+  return [...new Map(glbs.map((glb) => [glb.bytes.toString("latin1"), glb])).values()];
+}
+
+async function check_served(url, inspect_program) {
+  const failed = (await list_assets(url)).filter(({ status }) => status === "failed");
+  for (const asset of failed) console.error(`${asset.name}: not baked: ${asset.error}`);
+  const folder = path.join(root, "deploy/devices");
+  const devices = (await readdir(folder)).map((name) => path.join(folder, name));
+  const glbs = [...(await collect_levels(url)), ...(await collect_plans(url, devices))];
+  return failed.length + (await check_glbs(distinct(glbs), inspect_program));
+}
+
+const [server_program, inspect_program] = process.argv.slice(2);
+const folder = await mkdtemp(path.join(tmpdir(), "lodestream-models-"));
+try {
+  await copy_models(folder);
+  const bad = await with_server(server_program, folder, (url) => check_served(url, inspect_program));
+  process.exitCode = bad > 0 ? 1 : 0;
+} finally {
+  await rm(folder, { recursive: true });
+}
