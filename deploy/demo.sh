@@ -53,17 +53,22 @@ server=$!
 trap 'kill "$server" 2>/dev/null || true' EXIT
 
 url=http://127.0.0.1:$port
+# Ready is not enough: the report wants every asset baked.
+all_baked() {
+    local assets_json
+    curl -fsS -o /dev/null "$url/readyz" 2>/dev/null && assets_json=$(curl -fsS "$url/v1/assets" 2>/dev/null) &&
+        [[ $assets_json == *'"status":'* && $assets_json != *'"status":"baking"'* ]]
+}
+
 echo "waiting for the server to import and bake ..."
 for ((second = 0; ; second++)); do
     kill -0 "$server" 2>/dev/null || fail "the server stopped: $(tail -n 3 "$log")"
-    ! curl -fsS -o /dev/null "$url/readyz" 2>/dev/null || break
-    ((second < 300)) || fail "the server was not ready within 300 s; see $log"
+    ! all_baked || break
+    ((second < 300)) || fail "the server had not baked everything within 300 s; see $log"
     sleep 1
 done
 
-report=("$bin/lodestream-client" report --server "$url" --out "$out")
-[[ -z $assets ]] || report+=(--assets "$assets")
-"${report[@]}" || fail "the report failed; the server's log is $log"
+"$bin/lodestream-client" report --server "$url" --out "$out" || fail "the report failed; the server's log is $log"
 
 echo
 echo "report:   $out/report.html"

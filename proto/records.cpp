@@ -8,7 +8,9 @@ namespace {
 
 using Object = nlohmann::ordered_json;
 
-std::string print(const Object& object) { return object.dump(-1, ' ', false, Object::error_handler_t::replace); }
+std::string print(const Object& object) {
+    return object.dump(-1, ' ', false, Object::error_handler_t::replace);
+}
 
 }  // namespace
 

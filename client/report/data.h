@@ -65,6 +65,7 @@ struct DrawnLevel {
 struct LadderLevel {
     std::uint64_t index = 0;  // 0: the finest
     proto::Level level;
+    std::uint64_t gouraud = 0;  // of its triangles
     double fetch_ms = 0.0;
     double decode_ms = 0.0;
     std::vector<DrawnLevel> drawn;  // one a device

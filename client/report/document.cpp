@@ -22,7 +22,7 @@ h1{font-size:1.9rem;line-height:1.2;margin:.5rem 0}h2{font-size:1.4rem;margin:3r
 h3{font-size:1.1rem;margin:1.5rem 0 .5rem}
 p,.text ul{max-width:48rem}dfn{font-style:italic}a{color:var(--accent)}
 nav{display:flex;flex-wrap:wrap;gap:.25rem 1.25rem;margin:1rem 0}
-.muted,caption,figcaption small{color:var(--muted)}
+.muted,.table figcaption,figcaption small{color:var(--muted)}
 .summary{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,21rem),1fr));gap:.75rem;padding:0;list-style:none}
 .summary li{background:var(--card);border:1px solid var(--edge);border-radius:.5rem;padding:.75rem 1rem}
 .problems{background:var(--card);border-left:4px solid #d55e00;padding:.5rem 1rem;overflow-wrap:anywhere}
@@ -31,14 +31,15 @@ figure{margin:0;min-width:0}figcaption{font-weight:600;font-size:.95rem;overflow
 figure>svg{width:100%;height:auto;display:block}
 .legend{list-style:none;display:flex;flex-wrap:wrap;gap:.1rem 1rem;margin:.25rem 0 0;padding:0;font-size:.85rem}
 .legend svg{vertical-align:middle}
-.table{overflow-x:auto;margin:1rem 0;border:1px solid var(--edge);border-radius:.5rem}
+.table{margin:1rem 0;border:1px solid var(--edge);border-radius:.5rem;overflow:hidden}.table>div{overflow-x:auto}
 table{border-collapse:collapse;width:100%;font-size:.875rem;font-variant-numeric:tabular-nums}
-caption{caption-side:bottom;text-align:left;padding:.5rem .75rem;font-size:.75rem;line-height:1.4;overflow-wrap:anywhere}
+.table figcaption{padding:.5rem .75rem;font-size:.75rem;font-weight:400;line-height:1.4}
 th,td{padding:.35rem .6rem;text-align:left;white-space:nowrap;border-bottom:1px solid var(--edge)}
 th{white-space:normal;vertical-align:bottom;background:var(--card)}th.n,td.n{text-align:right}
 tbody tr:hover{background:var(--card)}
 th:first-child,td:first-child{position:sticky;left:0;background:var(--page);max-width:9rem;overflow:hidden;text-overflow:ellipsis}
 th:first-child{background:var(--card)}
+#overview table{font-size:.75rem}#overview :is(th,td){padding:.3rem .38rem}
 details{margin:1rem 0}details>summary{cursor:pointer;color:var(--accent)}
 .pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,30rem),1fr));gap:1.25rem}
 .panels{display:grid;grid-template-columns:repeat(3,1fr);gap:4px;margin-top:.25rem}
@@ -97,11 +98,10 @@ std::string picture_html(const AssetResult& asset, const DeviceResult& device, c
 
 std::string pictures_html(const ReportData& data) {
     std::string out =
-        "<section id=\"pictures\"><h2>What each device shows</h2>\n<p>Left: the level that the device was sent, drawn "
-        "at its "
-        "display’s size. Middle: the full model, all Gouraud, same view. Right: where they differ, eight times "
-        "amplified "
-        "(white: not at all). The pictures in full size lie in <code>pictures/</code> beside this page.</p>\n";
+        "<section id=\"pictures\"><h2>What each device shows</h2>\n<p>Left: the level that the device was sent, "
+        "drawn at its display’s size and cropped to the model. Middle: the full model, all Gouraud, same view. "
+        "Right: where they differ, eight times amplified (white: not at all). The pictures in full size lie in "
+        "<code>pictures/</code> beside this page.</p>\n";
     for (const AssetResult& asset : data.assets) {
         out += "<h3>" + escape_html(asset.asset.name) + "</h3>\n<div class=\"pictures\">\n";
         for (const Picture& picture : asset.pictures)
@@ -127,11 +127,9 @@ std::string summary_section_html(const ReportData& data) {
 
 std::string overview_html(const ReportData& data, const std::string& source) {
     return "<section id=\"overview\"><h2>Everything at a glance</h2>\n<p>One row a model and device. “RMS %” is the "
-           "level’s "
-           "geometric error in % of the model’s size, “max px” its largest error on this display; “vs G %” the bytes "
-           "against the "
-           "same level all Gouraud; “pic %”, “all G %” and “all F %” the error of the picture as sent, all Gouraud and "
-           "all flat.</p>\n" +
+           "level’s geometric error in % of the model’s size, “max px” its largest error on this display; “vs G %” "
+           "the bytes against the same level all Gouraud; “pic %”, “all G %” and “all F %” the error of the "
+           "picture as sent, all Gouraud and all flat.</p>\n" +
            to_html(overview_table(data), source) + "</section>\n";
 }
 
@@ -184,13 +182,12 @@ std::string html_document(const ReportData& data) {
     const std::string source = source_line(data.provenance);
     const std::vector<Section> all = sections(data);
     std::string out =
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-        "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<title>Lodestream "
-        "report</title>\n<style>" +
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+        "content=\"width=device-width,initial-scale=1\">\n<title>Lodestream report</title>\n<style>" +
         std::string(page_css) + plot_css() + "</style></head>\n<body><main>\n<h1>Lodestream report</h1>\n" +
-        "<p>A server was asked by four classes of device for 3D models, and each got the level of detail that it can "
-        "afford. This "
-        "page shows what they got, how far it is from the full model, and what each step cost.</p>\n" +
+        "<p>A server was asked by four classes of device for 3D models, and each got the level of detail that it "
+        "can afford. This page shows what they got, how far it is from the full model, and what each step "
+        "cost.</p>\n" +
         summary_section_html(data) + problems_html(data) +
         "<nav><a href=\"#pictures\">Pictures</a><a href=\"#overview\">At a glance</a>";
     for (const Section& section : all) out += "<a href=\"#" + section.key + "\">" + section.title + "</a>";
@@ -206,7 +203,8 @@ std::string json_document(const ReportData& data) {
     for (const std::string& problem : data.problems)
         out += (&problem == &data.problems.front() ? "" : ", ") + json_string(problem);
     out += "]";
-    for (const Section& section : sections(data)) out += ",\n  " + json_string(section.key) + ": " + json_rows(section.rows);
+    for (const Section& section : sections(data))
+        out += ",\n  " + json_string(section.key) + ": " + json_rows(section.rows);
     return out + "\n}\n";
 }
 

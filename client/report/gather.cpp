@@ -38,7 +38,7 @@ double ms_since(Clock::time_point start) {
 
 double median(std::vector<double> values) {
     std::sort(values.begin(), values.end());
-    return values.empty() ? 0.0 : values[values.size() / 2];
+    return values.empty() ? 0.0 : values[(values.size() - 1) / 2];
 }
 
 // Median time of a call over several runs, and what the last run answered; the first failure ends it.
@@ -302,8 +302,9 @@ Result<LadderLevel> Gatherer::measure_level(const AssetResult& asset, std::size_
     if (!fetched) return fetched.error();
     out.fetch_ms = fetched->fetch_ms;
     out.decode_ms = fetched->decode_ms;
-    if (Result<render::UploadStatistics> uploaded = renderer_.upload(fetched->content); !uploaded)
-        return uploaded.error();
+    Result<render::UploadStatistics> uploaded = renderer_.upload(fetched->content);
+    if (!uploaded) return uploaded.error();
+    out.gouraud = uploaded->gouraud_triangles;
     for (std::size_t device = 0; device < devices_.size(); ++device) {
         const budget::Display display = display_of(devices_[device].request.budget);
         Result<Drawn> drawn = draw(reference.view, display);
@@ -357,12 +358,13 @@ Status Gatherer::save_pictures(AssetResult& asset, std::size_t device, const ren
     if (Status written = render::write_png(options_.out / picture.file, render::side_by_side(panels)); !written)
         return written;
 
+    const Rectangle part = shown_part(std::span(panels).first(2), level.width / 40);
     std::vector<render::Image> row;
-    for (const render::Image& panel : panels) row.push_back(scaled_down(panel, composite_width));
+    for (const render::Image& panel : panels) row.push_back(scaled_down(cropped(panel, part), composite_width));
     composite_rows_.push_back(render::side_by_side(row));
-    picture.level_png = png_text(scaled_down(panels[0], thumbnail_width));
-    picture.full_png = png_text(scaled_down(panels[1], thumbnail_width));
-    picture.difference_png = png_text(scaled_down(panels[2], thumbnail_width));
+    picture.level_png = png_text(scaled_down(row[0], thumbnail_width));
+    picture.full_png = png_text(scaled_down(row[1], thumbnail_width));
+    picture.difference_png = png_text(scaled_down(row[2], thumbnail_width));
     asset.pictures.push_back(std::move(picture));
     return Nothing{};
 }

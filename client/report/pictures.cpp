@@ -19,7 +19,39 @@ Pixel mean_of(const render::Image& image, std::uint64_t x0, std::uint64_t x1, st
     return out;
 }
 
+bool same_pixel(const render::Image& image, std::size_t a, std::size_t b) {
+    return std::equal(image.rgba.begin() + static_cast<std::ptrdiff_t>(4 * a),
+                      image.rgba.begin() + static_cast<std::ptrdiff_t>(4 * a + 4),
+                      image.rgba.begin() + static_cast<std::ptrdiff_t>(4 * b));
+}
+
 }  // namespace
+
+Rectangle shown_part(std::span<const render::Image> images, std::uint32_t margin_px) {
+    if (images.empty()) return {};
+    const std::uint32_t width = images.front().width, height = images.front().height;
+    Rectangle part{width, height, 0, 0};
+    for (const render::Image& image : images)
+        for (std::uint32_t y = 0; y < height; ++y)
+            for (std::uint32_t x = 0; x < width; ++x)
+                if (!same_pixel(image, std::size_t{y} * width + x, 0))
+                    part = {std::min(part.left, x), std::min(part.top, y), std::max(part.right, x + 1),
+                            std::max(part.bottom, y + 1)};
+    if (part.right == 0) return {0, 0, width, height};
+    return {part.left - std::min(part.left, margin_px), part.top - std::min(part.top, margin_px),
+            part.right + std::min(width - part.right, margin_px),
+            part.bottom + std::min(height - part.bottom, margin_px)};
+}
+
+render::Image cropped(const render::Image& image, const Rectangle& part) {
+    render::Image out{part.right - part.left, part.bottom - part.top, {}};
+    out.rgba.reserve(4 * out.pixels());
+    for (std::uint32_t y = part.top; y < part.bottom; ++y) {
+        const auto row = image.rgba.begin() + std::ptrdiff_t{4} * y * image.width;
+        out.rgba.insert(out.rgba.end(), row + std::ptrdiff_t{4} * part.left, row + std::ptrdiff_t{4} * part.right);
+    }
+    return out;
+}
 
 render::Image scaled_down(const render::Image& image, std::uint32_t width) {
     if (image.width <= width || width == 0 || image.height == 0) return image;

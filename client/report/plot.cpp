@@ -34,7 +34,7 @@ double round_step(double span, double count) {
 std::string tick_label(double value) {
     char buffer[32];
     const double size = std::abs(value);
-    const bool plain = size == 0.0 || (size >= 1e-3 && size < 1e4);
+    const bool plain = size == 0.0 || (size >= 1e-4 && size < 1e4);
     if (size >= 1e4 && size < 1e6)
         std::snprintf(buffer, sizeof buffer, "%g k", value / 1e3);
     else if (size >= 1e6 && size < 1e9)
@@ -235,11 +235,10 @@ std::string plot_css() {
     out += "@media(prefers-color-scheme:dark){";
     colours(dark);
     return out +
-           "}\n.plot text{fill:currentColor;font-size:12px}.plot .grid{stroke:currentColor;opacity:.12}"
-           ".plot .axis{stroke:currentColor;opacity:.6}.plot .guide{stroke:currentColor;opacity:.5;stroke-dasharray:2 "
-           "3}"
-           ".plot .line{fill:none;stroke:var(--c);stroke-width:2}.plot .dashed{stroke-dasharray:6 4}"
-           ".plot .mark{fill:var(--c);stroke:var(--page);stroke-width:.8}\n";
+           "}\n.plot text{fill:currentColor;font-size:12px}.plot .grid{stroke:currentColor;opacity:.12}.plot "
+           ".axis{stroke:currentColor;opacity:.6}.plot .guide{stroke:currentColor;opacity:.5;stroke-dasharray:2 "
+           "3}.plot .line{fill:none;stroke:var(--c);stroke-width:2}.plot .dashed{stroke-dasharray:6 4}.plot "
+           ".mark{fill:var(--c);stroke:var(--page);stroke-width:.8}\n";
 }
 
 std::string to_figure(const Plot& plot) {

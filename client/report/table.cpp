@@ -95,7 +95,7 @@ std::string to_text(const Table& table, bool color) {
 
 std::string to_html(const Table& table, const std::string& caption_html) {
     const std::vector<std::size_t> shown = shown_columns(table);
-    std::string out = "<div class=\"table\" tabindex=\"0\"><table><caption>" + caption_html + "</caption>\n<thead><tr>";
+    std::string out = "<figure class=\"table\"><div tabindex=\"0\"><table>\n<thead><tr>";
     for (const std::size_t column : shown)
         out += std::string(is_numeric_column(table, column) ? "<th scope=\"col\" class=\"n\">" : "<th scope=\"col\">") +
                escape_html(table.columns[column].label) + "</th>";
@@ -108,7 +108,7 @@ std::string to_html(const Table& table, const std::string& caption_html) {
                    escape_html(format_cell(row[column])) + "</td>";
         out += "</tr>\n";
     }
-    return out + "</tbody></table></div>\n";
+    return out + "</tbody></table></div><figcaption>" + caption_html + "</figcaption></figure>\n";
 }
 
 }  // namespace lodestream::report

@@ -28,7 +28,8 @@ inline constexpr std::size_t max_terminal_cell = 24;  // code points; longer one
 // Aligned columns, numbers to the right, headings underlined; ANSI bold for the headings where `color`.
 std::string to_text(const Table& table, bool color);
 
-// <table> with a heading row, numbers right-aligned by class "n"; `caption_html` is trusted HTML.
+// A <figure class="table"> that scrolls on its own: heading row, numbers in class "n", below it `caption_html`, which
+// is trusted HTML.
 std::string to_html(const Table& table, const std::string& caption_html);
 
 }  // namespace lodestream::report

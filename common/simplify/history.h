@@ -29,10 +29,11 @@ struct RecordOptions {
 };
 
 // Records the whole history down to one triangle. Priority: quadric error (Garland and Heckbert 1997) with planes along
-// open boundaries and attribute seams; seams, boundaries and material borders are kept while that is possible, then
-// merged nearest attribute first; at the very end the least visible triangles are dropped. Deterministic.
-// `mesh` must be compact (see mesh/operations.h). Any connectivity is taken: non-manifold, soup, thousands of pieces.
-// Errors: unavailable (cancelled).
+// open boundaries and attribute seams. Seams, boundaries and material borders are kept unless all else costs more than
+// moving the area around a merge by its length, then merged nearest attribute first; a whole piece is dropped once it
+// is less visible than the next merge; at the very end the least visible triangles go. Deterministic. `mesh` must be
+// compact (see mesh/operations.h). Any connectivity is taken: non-manifold, soup, thousands of pieces. Errors:
+// unavailable (cancelled).
 Result<History> record_history(const mesh::Mesh& mesh, const RecordOptions& options = {});
 
 // The level of the most triangles that is not above `triangles`. Attributes and materials follow. O(result).

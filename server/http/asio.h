@@ -13,7 +13,7 @@ namespace lodestream::http {
 
 namespace asio = boost::asio;
 namespace beast = boost::beast;
-using tcp = asio::ip::tcp;
+using Tcp = asio::ip::tcp;
 
 // Errors come as values: auto [error, …] = co_await operation(…, as_values);
 inline constexpr auto as_values = asio::as_tuple(asio::use_awaitable);

@@ -87,7 +87,7 @@ std::optional<int> status_of(const beast::error_code& error) {
 // strand.
 class Session : public std::enable_shared_from_this<Session> {
   public:
-    Session(tcp::socket socket, Shared& shared)
+    Session(Tcp::socket socket, Shared& shared)
         : shared_(shared), stream_(std::move(socket)), buffer_(shared.options.max_header_bytes + header_slack_bytes) {}
 
     auto executor() { return stream_.get_executor(); }
@@ -135,7 +135,7 @@ void Session::abort() {
 
 asio::awaitable<void> Session::run() {
     beast::error_code ignored;
-    stream_.socket().set_option(tcp::no_delay(true), ignored);
+    stream_.socket().set_option(Tcp::no_delay(true), ignored);
     while (co_await wait_for_request())
         if (!co_await serve_one()) break;
 }
@@ -325,7 +325,7 @@ asio::awaitable<void> Session::refuse_and_close(const Response& response) {
 // Reads what the client still sends for a while: closing at once would reset the connection under the answer.
 asio::awaitable<void> Session::close_gently() {
     beast::error_code error;
-    stream_.socket().shutdown(tcp::socket::shutdown_send, error);
+    stream_.socket().shutdown(Tcp::socket::shutdown_send, error);
     std::vector<char> waste(body_chunk_bytes);
     stream_.expires_after(linger);
     while (!error) {
@@ -351,7 +351,7 @@ class Server {
 
   private:
     asio::awaitable<void> accept_sessions();
-    void start(tcp::socket socket);
+    void start(Tcp::socket socket);
     void begin_stop();
     void end_if_drained();
 
@@ -359,14 +359,14 @@ class Server {
     asio::thread_pool workers_;
     Shared shared_;
     asio::strand<asio::io_context::executor_type> strand_;
-    tcp::acceptor acceptor_;
+    Tcp::acceptor acceptor_;
     asio::signal_set signals_;
     asio::steady_timer grace_;
     std::set<std::shared_ptr<Session>> sessions_;
     bool stopping_ = false;
 };
 
-Result<tcp::endpoint> resolve(asio::io_context& io, const std::string& listen) {
+Result<Tcp::endpoint> resolve(asio::io_context& io, const std::string& listen) {
     const auto colon = listen.rfind(':');
     if (colon == std::string::npos || colon == 0)
         return invalid_input("cannot listen on \"" + listen + "\": it must be HOST:PORT");
@@ -378,7 +378,7 @@ Result<tcp::endpoint> resolve(asio::io_context& io, const std::string& listen) {
     if (port.empty() || wrong != std::errc() || end != port.data() + port.size())
         return invalid_input("cannot listen on \"" + listen + "\": the port must be a number up to 65535");
     beast::error_code error;
-    const auto found = tcp::resolver(io).resolve(host, port, tcp::resolver::passive, error);
+    const auto found = Tcp::resolver(io).resolve(host, port, Tcp::resolver::passive, error);
     if (error || found.empty()) return invalid_input("cannot listen on \"" + listen + "\": " + error.message());
     return found.begin()->endpoint();
 }
@@ -399,7 +399,7 @@ asio::awaitable<void> Server::accept_sessions() {
     while (acceptor_.is_open()) {
         auto [error, socket] = co_await acceptor_.async_accept(asio::make_strand(io_), as_values);
         if (!error) {
-            start(tcp::socket(std::move(socket)));
+            start(Tcp::socket(std::move(socket)));
         } else if (acceptor_.is_open()) {
             asio::steady_timer pause(strand_, accept_pause);
             co_await pause.async_wait(as_values);
@@ -407,7 +407,7 @@ asio::awaitable<void> Server::accept_sessions() {
     }
 }
 
-void Server::start(tcp::socket socket) {
+void Server::start(Tcp::socket socket) {
     if (stopping_ || sessions_.size() >= shared_.options.max_connections) return;  // closes the socket
     const auto session = std::make_shared<Session>(std::move(socket), shared_);
     sessions_.insert(session);

@@ -206,7 +206,7 @@ class TextValues {
     TextCursor cursor_;
 };
 
-template <bool swapped>
+template <bool Swapped>
 class BinaryValues {
   public:
     explicit BinaryValues(std::span<const std::byte> data) : data_(data) {}
@@ -248,7 +248,7 @@ class BinaryValues {
         }
         std::byte bytes[sizeof(T)];
         std::memcpy(bytes, data_.data(), sizeof(T));
-        if constexpr (swapped) std::reverse(std::begin(bytes), std::end(bytes));
+        if constexpr (Swapped) std::reverse(std::begin(bytes), std::end(bytes));
         data_ = data_.subspan(sizeof(T));
         return std::bit_cast<T>(bytes);
     }

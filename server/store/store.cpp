@@ -7,6 +7,7 @@
 #include <mutex>
 #include <random>
 #include <set>
+#include <tuple>
 
 #include "server/store/files.h"
 #include "server/store/sqlite.h"
@@ -71,7 +72,10 @@ struct Store::Impl {
     struct FileName {
         std::string hash;
         std::string extension;
-        auto operator<=>(const FileName&) const = default;
+        bool operator==(const FileName&) const = default;
+        bool operator<(const FileName& other) const {
+            return std::tie(hash, extension) < std::tie(other.hash, other.extension);
+        }
     };
 
     fs::path folder;

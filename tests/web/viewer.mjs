@@ -8,25 +8,32 @@ const draco = new DRACOLoader().setDecoderPath("/node_modules/three/examples/jsm
 const loader = new GLTFLoader().setDRACOLoader(draco);
 const renderer = new THREE.WebGLRenderer({ preserveDrawingBuffer: true });
 renderer.setSize(size_px, size_px);
+renderer.setClearColor(0x000000, 0);
 
-function camera_for(box) {
+// A level of a few triangles may show nothing but their backs to one side.
+const viewpoints = [new THREE.Vector3(0.5, 0.6, 1).normalize(), new THREE.Vector3(-0.5, -0.6, -1).normalize()];
+
+function camera_for(box, direction) {
   const center = box.getCenter(new THREE.Vector3());
   const radius = Math.max(box.getSize(new THREE.Vector3()).length() / 2, Number.MIN_VALUE);
   const camera = new THREE.PerspectiveCamera(45, 1, radius / 10, radius * 10);
-  camera.position.copy(center).add(new THREE.Vector3(0.5, 0.6, 1).normalize().multiplyScalar(2.7 * radius));
+  camera.position.copy(center).addScaledVector(direction, 2.7 * radius);
   camera.lookAt(center);
   return camera;
 }
 
-function drawn_pixels(scene, box) {
-  const stage = new THREE.Scene();
-  stage.add(scene, new THREE.HemisphereLight(0xffffff, 0x404040, 4));
-  renderer.setClearColor(0x000000, 0);
-  renderer.render(stage, camera_for(box));
+function drawn_pixels(stage, camera) {
+  renderer.render(stage, camera);
   const pixels = new Uint8Array(size_px * size_px * 4);
   const gl = renderer.getContext();
   gl.readPixels(0, 0, size_px, size_px, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
   return pixels.filter((value, i) => i % 4 === 3 && value > 0).length;
+}
+
+function drawn_from_all_sides(scene, box) {
+  const stage = new THREE.Scene();
+  stage.add(scene, new THREE.HemisphereLight(0xffffff, 0x404040, 4));
+  return viewpoints.reduce((sum, direction) => sum + drawn_pixels(stage, camera_for(box, direction)), 0);
 }
 
 // GLTFLoader takes a geometry's box from the accessor's min and max, which neither validator can hold against Draco's data.
@@ -56,7 +63,7 @@ window.measure = async (url) => {
     found.wrongly_shaded += Number(material.flatShading !== is_flat);
   }
   const box = new THREE.Box3().setFromObject(scene, true);
-  const result = { ...found, bounds: [...box.min, ...box.max], pixels: drawn_pixels(scene, box) };
+  const result = { ...found, bounds: [...box.min, ...box.max], pixels: drawn_from_all_sides(scene, box) };
   dispose(meshes);
   return result;
 };

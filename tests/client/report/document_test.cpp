@@ -105,7 +105,7 @@ TEST(ReportHtml, EverySectionIsThereAndEveryTableNamesCommandCommitAndMachine) {
     const std::string html = html_document(testing::report_data());
     for (const char* key : {"budget", "simplification", "codec", "shading", "end_to_end"})
         EXPECT_THAT(html, HasSubstr("<section id=\"" + std::string(key) + "\">"));
-    const std::regex caption("<caption>([^\n]*)</caption>");
+    const std::regex caption("</table></div><figcaption>([^\n]*)</figcaption>");
     std::size_t captions = 0;
     for (std::sregex_iterator it(html.begin(), html.end(), caption), end; it != end; ++it, ++captions)
         for (const char* part : {"lodestream-client report --out x", "0123abcd", "A CPU", "2 cores", "A renderer"})

@@ -36,5 +36,31 @@ TEST(Pictures, StackedPicturesKeepTheirPixels) {
     EXPECT_EQ(red(1, 5), 255);
 }
 
+void paint(render::Image& image, std::uint32_t x, std::uint32_t y) {
+    image.rgba[4 * (std::size_t{y} * image.width + x)] = 7;
+}
+
+TEST(Pictures, TheShownPartHoldsWhatEitherPictureShowsAndItsMarginStaysInside) {
+    std::array<render::Image, 2> images = {render::solid(10, 8, 255, 255, 255), render::solid(10, 8, 255, 255, 255)};
+    paint(images[0], 3, 4);
+    paint(images[1], 9, 5);
+    const Rectangle part = shown_part(images, 2);
+    EXPECT_EQ(part.left, 1u);
+    EXPECT_EQ(part.top, 2u);
+    EXPECT_EQ(part.right, 10u);
+    EXPECT_EQ(part.bottom, 8u);
+    const render::Image crop = cropped(images[0], part);
+    EXPECT_EQ(crop.width, 9u);
+    EXPECT_EQ(crop.height, 6u);
+    EXPECT_EQ(crop.rgba[4 * (2 * 9 + 2)], 7);
+}
+
+TEST(Pictures, OfAnEmptyViewTheWholePictureIsShown) {
+    const std::array<render::Image, 1> images = {render::solid(10, 8, 255, 255, 255)};
+    const Rectangle part = shown_part(images, 2);
+    EXPECT_EQ(part.right - part.left, 10u);
+    EXPECT_EQ(part.bottom - part.top, 8u);
+}
+
 }  // namespace
 }  // namespace lodestream::report

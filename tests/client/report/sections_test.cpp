@@ -55,11 +55,19 @@ TEST(Sections, SummarySaysNeverMoreOnlyWhereHybridIsNeverLarger) {
     EXPECT_THAT(joined(summary_html(data)), HasSubstr("but more in 1 of 2 cases"));
 }
 
+TEST(Sections, SummarySaysHowManyLevelsWereNotWorthSplitting) {
+    ReportData data = testing::report_data();
+    EXPECT_THAT(joined(summary_html(data)), ::testing::Not(HasSubstr("went all Gouraud")));
+    data.assets[0].devices[0].plan.shading.distance = 0.5;
+    data.assets[0].devices[0].modes[0].flat = 0;
+    EXPECT_THAT(joined(summary_html(data)), HasSubstr("1 of 2 went all Gouraud"));
+}
+
 TEST(Sections, SummaryCountsWhereHybridLiesBetweenFlatAndGouraud) {
     ReportData data = testing::report_data();
-    EXPECT_THAT(joined(summary_html(data)), HasSubstr("in 2 of 2 cases"));
+    EXPECT_THAT(joined(summary_html(data)), HasSubstr("Of the 2 levels that mix both kinds of triangles, 2 have"));
     data.assets[0].devices[1].modes[0].image.percent = 9.0;
-    EXPECT_THAT(joined(summary_html(data)), HasSubstr("in 1 of 2 cases"));
+    EXPECT_THAT(joined(summary_html(data)), HasSubstr("Of the 2 levels that mix both kinds of triangles, 1 have"));
 }
 
 TEST(Sections, SummaryCountsBudgetsThatWereExceeded) {

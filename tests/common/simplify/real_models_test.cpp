@@ -17,15 +17,21 @@ mesh::Mesh read_off(const std::filesystem::path& path) {
     std::ifstream in(path);
     std::string word;
     std::size_t vertices = 0, faces = 0, edges = 0;
+    const auto skip_comments = [&] {
+        while ((in >> std::ws).peek() == '#') std::getline(in, word);
+    };
+    skip_comments();
     in >> word;
-    while ((in >> std::ws).peek() == '#') std::getline(in, word);
+    skip_comments();
     in >> vertices >> faces >> edges;
+    skip_comments();
     mesh::Mesh m;
     for (std::size_t v = 0; v < vertices; ++v) {
         Vec3f p{0.0f};
         in >> p.x >> p.y >> p.z;
         m.positions.push_back(p);
     }
+    skip_comments();
     for (std::size_t f = 0; f < faces; ++f) {
         std::size_t corners = 0;
         in >> corners;

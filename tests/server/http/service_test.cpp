@@ -407,7 +407,7 @@ TEST(BakeQueue, StoppingLeavesNothingBaking) {
     {
         BakeQueue bakes(store, planner);
         ASSERT_TRUE(bakes.submit("a", std::filesystem::path("sample:terrain:40000")));
-        for (const char* name : {"b", "c"}) ASSERT_TRUE(bakes.submit(name, std::filesystem::path("sample:teapot:64")));
+        for (const char* name : {"b", "c"}) ASSERT_TRUE(bakes.submit(name, std::filesystem::path("sample:teapot:512")));
     }
     const auto assets = store.assets();
     ASSERT_EQ(assets->size(), 3u);
