@@ -71,7 +71,6 @@ done
 "$bin/lodestream-client" report --server "$url" --out "$out" || fail "the report failed; the server's log is $log"
 
 echo
-echo "report:   $out/report.html"
 pictures=$(find "$out" -name '*.png' -not -path "$out/store/*" | wc -l)
 ((pictures == 0)) || echo "pictures: $pictures PNG files below $out"
 if [[ -n $once ]]; then

@@ -14,7 +14,8 @@ constexpr int exit_failed = 1;
 constexpr int exit_usage = 2;
 
 int run(int argc, char** argv) {
-    CLI::App app{"Lodestream server: one model, every device. Bakes 3D models and serves each device the level it can show."};
+    CLI::App app{
+        "Lodestream server: one model, every device. Bakes 3D models and serves each device the level it can show."};
     app.set_version_flag("--version", "lodestream-server " LODESTREAM_VERSION);
     app.require_subcommand(1);
     app.footer(
@@ -38,7 +39,9 @@ int run(int argc, char** argv) {
 
     cli::BakeArguments bake;
     CLI::App* bake_app = app.add_subcommand("bake", "Import and bake models without a server");
-    bake_app->add_option("INPUT", bake.inputs, "Model files, or sample:teapot[:TRIANGLES], sample:terrain[:VERTICES], sample:ship[:OBJECTS]")
+    bake_app
+        ->add_option("INPUT", bake.inputs,
+                     "Model files, or sample:teapot[:TRIANGLES], sample:terrain[:VERTICES], sample:ship[:OBJECTS]")
         ->required();
     bake_app->add_option("--store", bake.store, "Folder of the store; made where missing")->required();
     bake_app->add_flag("--json", bake.json, "Print one JSON object an input");
@@ -62,7 +65,8 @@ int run(int argc, char** argv) {
 
     cli::SampleArguments sample;
     CLI::App* sample_app = app.add_subcommand("sample", "Write a built-in model to a file");
-    sample_app->add_option("NAME", sample.sample, "teapot[:TRIANGLES], terrain[:VERTICES] or ship[:OBJECTS]")->required();
+    sample_app->add_option("NAME", sample.sample, "teapot[:TRIANGLES], terrain[:VERTICES] or ship[:OBJECTS]")
+        ->required();
     sample_app->add_option("--out", sample.out, "FILE.glb or FILE.ply")->required();
     sample_app->callback([&] { command = [&] { return cli::sample(sample); }; });
 

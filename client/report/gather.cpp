@@ -181,7 +181,8 @@ std::vector<proto::Asset> Gatherer::choose(std::vector<proto::Asset> assets) {
         else if (options_.quick && asset.triangles > max_quick_triangles)
             leave_out("larger than a quick report measures (" + format_count(max_quick_triangles) + " triangles)");
         else if (chosen.size() == limit)
-            leave_out("more than the " + std::to_string(limit) + " assets of a report");
+            leave_out("more than the " + std::to_string(limit) +
+                      (options_.quick ? " assets of a quick report" : " assets of a report"));
         else
             chosen.push_back(asset);
     }

@@ -21,16 +21,9 @@ bool is_numeric_column(const Table& table, std::size_t column) {
                         [&](const auto& row) { return std::holds_alternative<std::string>(row[column]); });
 }
 
-std::string cut_to(const std::string& text, std::size_t width) {
-    if (code_points(text) <= width) return text;
-    std::string out;
-    std::size_t count = 0;
-    for (const char c : text) {
-        const bool starts_code_point = (static_cast<unsigned char>(c) & 0xC0u) != 0x80u;
-        if (starts_code_point && ++count == width) break;
-        out += c;
-    }
-    return out + "…";
+std::string cut_to(const std::string& text, std::size_t columns) {
+    if (terminal_columns(text) <= columns) return text;
+    return std::string(terminal_prefix(text, columns - 1)) + "…";
 }
 
 struct TextColumn {
@@ -41,17 +34,19 @@ struct TextColumn {
 };
 
 TextColumn lay_out(const Table& table, std::size_t column) {
-    TextColumn out{
-        table.columns[column].label, {}, code_points(table.columns[column].label), is_numeric_column(table, column)};
+    TextColumn out{table.columns[column].label,
+                   {},
+                   terminal_columns(table.columns[column].label),
+                   is_numeric_column(table, column)};
     for (const auto& row : table.rows) {
         out.cells.push_back(cut_to(format_cell(row[column]), max_terminal_cell));
-        out.width = std::max(out.width, code_points(out.cells.back()));
+        out.width = std::max(out.width, terminal_columns(out.cells.back()));
     }
     return out;
 }
 
 std::string padded(const std::string& text, const TextColumn& column) {
-    const std::string space(column.width - code_points(text), ' ');
+    const std::string space(column.width - terminal_columns(text), ' ');
     return column.right ? space + text : text + space;
 }
 

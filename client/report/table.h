@@ -23,7 +23,7 @@ struct Table {
 bool is_number(const Cell& cell);
 std::string format_cell(const Cell& cell);  // printable text; nothing and non-finite numbers: "–"
 
-inline constexpr std::size_t max_terminal_cell = 24;  // code points; longer ones are cut with "…"
+inline constexpr std::size_t max_terminal_cell = 24;  // columns; longer ones are cut with "…"
 
 // Aligned columns, numbers to the right, headings underlined; ANSI bold for the headings where `color`.
 std::string to_text(const Table& table, bool color);

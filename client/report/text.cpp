@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 
 namespace lodestream::report {
 namespace {
@@ -38,6 +39,20 @@ bool is_control(char32_t c) {
     const bool control = c < 0x20 || (c >= 0x7F && c < 0xA0);
     const bool direction = (c >= 0x202A && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069) || c == 0x200E || c == 0x200F;
     return control || direction || c == 0x2028 || c == 0x2029;
+}
+
+struct CodePointRange {
+    char32_t first, last;
+};
+// The blocks of Unicode's East Asian Width "W" and "F" that names are made of, and emoji.
+constexpr CodePointRange wide_ranges[] = {{0x1100, 0x115F}, {0x2E80, 0x303E},   {0x3041, 0xA4CF},  {0xA960, 0xA97F},
+                                          {0xAC00, 0xD7A3}, {0xF900, 0xFAFF},   {0xFE30, 0xFE6F},  {0xFF00, 0xFF60},
+                                          {0xFFE0, 0xFFE6}, {0x1F300, 0x1FAFF}, {0x20000, 0x3FFFD}};
+
+std::size_t columns_of(char32_t c) {
+    if ((c >= 0x0300 && c <= 0x036F) || (c >= 0x200B && c <= 0x200D) || (c >= 0xFE00 && c <= 0xFE0F)) return 0;
+    const auto holds = [c](const CodePointRange& range) { return c >= range.first && c <= range.last; };
+    return std::any_of(std::begin(wide_ranges), std::end(wide_ranges), holds) ? 2 : 1;
 }
 
 std::string print(const char* format, double value) {
@@ -93,9 +108,26 @@ std::string escape_html(std::string_view text) {
     return out;
 }
 
-std::size_t code_points(std::string_view utf8) {
-    return static_cast<std::size_t>(
-        std::count_if(utf8.begin(), utf8.end(), [](char c) { return !is_continuation(c); }));
+std::size_t terminal_columns(std::string_view utf8) {
+    std::size_t columns = 0;
+    while (!utf8.empty()) {
+        const CodePoint point = next_code_point(utf8);
+        columns += columns_of(point.value);
+        utf8.remove_prefix(std::max<std::size_t>(point.length, 1));
+    }
+    return columns;
+}
+
+std::string_view terminal_prefix(std::string_view utf8, std::size_t columns) {
+    std::string_view rest = utf8;
+    while (!rest.empty()) {
+        const CodePoint point = next_code_point(rest);
+        const std::size_t needed = columns_of(point.value);
+        if (needed > columns) break;
+        columns -= needed;
+        rest.remove_prefix(std::max<std::size_t>(point.length, 1));
+    }
+    return utf8.substr(0, utf8.size() - rest.size());
 }
 
 std::string file_stem(std::string_view name) {

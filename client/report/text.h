@@ -13,8 +13,12 @@ std::string printable(std::string_view text);
 // printable(), with & < > " ' as entities: safe as HTML or SVG text and inside quoted attributes.
 std::string escape_html(std::string_view text);
 
-// Code points, which is what a terminal shows as columns but for wide scripts. pre: valid UTF-8.
-std::size_t code_points(std::string_view utf8);
+// Columns that a terminal gives the text: two for East Asian wide characters and emoji, none for combining marks.
+// pre: printable()
+std::size_t terminal_columns(std::string_view utf8);
+
+// As many whole characters from the start as fit into `columns`.
+std::string_view terminal_prefix(std::string_view utf8, std::size_t columns);
 
 // A name that is safe as one part of a path: letters, digits, '-', '_' and '.', at most 64, never empty or hidden.
 std::string file_stem(std::string_view name);

@@ -21,10 +21,16 @@ using Rgba8 = glm::u8vec4;
 
 inline constexpr double pi = 3.14159265358979323846;
 
-inline double radians(double degrees) { return degrees * pi / 180.0; }
+inline double radians(double degrees) {
+    return degrees * pi / 180.0;
+}
 
-inline bool all_finite(const Vec3f& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-inline bool all_finite(const Vec3d& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+inline bool all_finite(const Vec3f& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+inline bool all_finite(const Vec3d& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 // An axis-aligned box; empty when it holds no point.
 struct Box {

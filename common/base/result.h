@@ -1,5 +1,5 @@
-// An expected failure is a value: Result<T> holds either a T or an Error, and in both cases the warnings met on the way.
-// A bug is an assertion. Nothing is thrown across a library's border.
+// An expected failure is a value: Result<T> holds either a T or an Error, and in both cases the warnings met on the
+// way. A bug is an assertion. Nothing is thrown across a library's border.
 #pragma once
 
 #include <cassert>
@@ -30,16 +30,25 @@ struct Error {
 template <class T>
 class [[nodiscard]] Result {
   public:
-    Result(T value) : value_(std::move(value)) {}          // NOLINT(google-explicit-constructor)
-    Result(Error error) : error_(std::move(error)) {}      // NOLINT(google-explicit-constructor)
+    Result(T value) : value_(std::move(value)) {}      // NOLINT(google-explicit-constructor)
+    Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
     bool ok() const { return value_.has_value(); }
     explicit operator bool() const { return ok(); }
 
     // pre: ok()
-    T& value() & { assert(ok()); return *value_; }
-    const T& value() const& { assert(ok()); return *value_; }
-    T&& value() && { assert(ok()); return *std::move(value_); }
+    T& value() & {
+        assert(ok());
+        return *value_;
+    }
+    const T& value() const& {
+        assert(ok());
+        return *value_;
+    }
+    T&& value() && {
+        assert(ok());
+        return *std::move(value_);
+    }
     T& operator*() & { return value(); }
     const T& operator*() const& { return value(); }
     T&& operator*() && { return std::move(*this).value(); }
@@ -47,7 +56,10 @@ class [[nodiscard]] Result {
     const T* operator->() const { return &value(); }
 
     // pre: !ok()
-    const Error& error() const { assert(!ok()); return error_; }
+    const Error& error() const {
+        assert(!ok());
+        return error_;
+    }
 
     std::vector<std::string> warnings;
 
@@ -59,7 +71,11 @@ class [[nodiscard]] Result {
 struct Nothing {};
 using Status = Result<Nothing>;
 
-inline Error fail(ErrorCode code, std::string message) { return Error{code, std::move(message)}; }
-inline Error invalid_input(std::string message) { return fail(ErrorCode::invalid_input, std::move(message)); }
+inline Error fail(ErrorCode code, std::string message) {
+    return Error{code, std::move(message)};
+}
+inline Error invalid_input(std::string message) {
+    return fail(ErrorCode::invalid_input, std::move(message));
+}
 
 }  // namespace lodestream

@@ -13,7 +13,8 @@ struct DisplayRow {
     double pixels;
     double triangles;
 };
-constexpr std::array<DisplayRow, 3> table_2{{{800.0 * 600.0, 8'000.0}, {1024.0 * 768.0, 12'000.0}, {1280.0 * 1024.0, 26'000.0}}};
+constexpr std::array<DisplayRow, 3> table_2{
+    {{800.0 * 600.0, 8'000.0}, {1024.0 * 768.0, 12'000.0}, {1280.0 * 1024.0, 26'000.0}}};
 
 std::optional<std::string> not_positive(const char* field, double value) {
     if (std::isfinite(value) && value > 0.0) return std::nullopt;
@@ -35,7 +36,9 @@ std::uint64_t current_polygons(double previous, double dlr) {
     return whole_triangles(product * (1.0 + 1e-12));
 }
 
-double clamped_fps(double target_fps) { return std::clamp(target_fps, min_target_fps, max_target_fps); }
+double clamped_fps(double target_fps) {
+    return std::clamp(target_fps, min_target_fps, max_target_fps);
+}
 
 std::uint64_t previous_polygons(const Request& request, const AssetCost& asset) {
     if (request.reference.triangles) return *request.reference.triangles;
@@ -47,7 +50,8 @@ std::uint64_t previous_polygons(const Request& request, const AssetCost& asset) 
 std::optional<double> wanted(const Preference& preference, std::uint64_t ncp) {
     std::optional<double> up;
     if (preference.triangles) up = static_cast<double>(*preference.triangles);
-    if (preference.quality < 1.0) up = std::min(up.value_or(max_triangles), preference.quality * static_cast<double>(ncp));
+    if (preference.quality < 1.0)
+        up = std::min(up.value_or(max_triangles), preference.quality * static_cast<double>(ncp));
     return up;
 }
 
@@ -60,18 +64,25 @@ double affordable_bytes(const Network& network) {
 
 const char* limited_by_name(LimitedBy limit) {
     switch (limit) {
-        case LimitedBy::device: return "device";
-        case LimitedBy::user: return "user";
-        case LimitedBy::display: return "display";
-        case LimitedBy::network: return "network";
-        case LimitedBy::memory: return "memory";
-        case LimitedBy::asset: return "asset";
+        case LimitedBy::device:
+            return "device";
+        case LimitedBy::user:
+            return "user";
+        case LimitedBy::display:
+            return "display";
+        case LimitedBy::network:
+            return "network";
+        case LimitedBy::memory:
+            return "memory";
+        case LimitedBy::asset:
+            return "asset";
     }
     return "device";
 }
 
 double capacity_mhz(const DeviceReport& device) {
-    if (device.triangles_per_second) return *device.triangles_per_second / reference_triangles_per_second * reference_capacity_mhz;
+    if (device.triangles_per_second)
+        return *device.triangles_per_second / reference_triangles_per_second * reference_capacity_mhz;
     return device.cpu_mhz * (1.0 + (device.gpu == Gpu::discrete ? gpu_uplift_discrete : 0.0));
 }
 
@@ -154,7 +165,8 @@ Result<Budget> derive_budget(const Request& request, const AssetCost& asset) {
         if (*budget.rup < 1.0) limit(*up, LimitedBy::user);
     }
     if (request.display)
-        limit(triangles_for_display(static_cast<double>(request.display->width) * request.display->height), LimitedBy::display);
+        limit(triangles_for_display(static_cast<double>(request.display->width) * request.display->height),
+              LimitedBy::display);
     if (request.network) limit(triangles_within_bytes(asset, affordable_bytes(*request.network)), LimitedBy::network);
     if (request.device.memory_mb)
         limit(*request.device.memory_mb * 1e6 * memory_share_for_level / drawn_bytes_per_triangle, LimitedBy::memory);

@@ -25,12 +25,12 @@ enum class Gpu { none, discrete };
 
 // What a client says of itself. Every field but cpu_mhz is optional.
 struct DeviceReport {
-    std::string name;                             // free text, for tables
-    double cpu_mhz = 0.0;                         // > 0
-    std::uint32_t cpu_cores = 1;                  // >= 1; told to the operator, not part of the papers' capacity
+    std::string name;             // free text, for tables
+    double cpu_mhz = 0.0;         // > 0
+    std::uint32_t cpu_cores = 1;  // >= 1; told to the operator, not part of the papers' capacity
     Gpu gpu = Gpu::none;
-    std::optional<double> memory_mb;              // > 0; bounds what a level may occupy when drawn
-    std::optional<double> triangles_per_second;   // > 0; measured, replaces the capacity derived from clock and GPU
+    std::optional<double> memory_mb;             // > 0; bounds what a level may occupy when drawn
+    std::optional<double> triangles_per_second;  // > 0; measured, replaces the capacity derived from clock and GPU
 };
 
 struct Display {
@@ -64,9 +64,9 @@ struct EncodedSize {
 
 // What the asset costs, for the limits that are not the device's.
 struct AssetCost {
-    std::uint64_t triangles = 0;       // of the full model
-    std::vector<EncodedSize> sizes;    // of its ladder, finest first, falling; empty: the network does not limit
-    double bytes_factor = 1.0;         // > 0; what the sizes are to be multiplied by
+    std::uint64_t triangles = 0;     // of the full model
+    std::vector<EncodedSize> sizes;  // of its ladder, finest first, falling; empty: the network does not limit
+    double bytes_factor = 1.0;       // > 0; what the sizes are to be multiplied by
 };
 
 // The most triangles whose level is expected to have at most `bytes`: piecewise linear between the measured sizes, the
@@ -85,21 +85,21 @@ enum class LimitedBy { device, user, display, network, memory, asset };
 const char* limited_by_name(LimitedBy limit);
 
 struct Budget {
-    double capacity_mhz = 0.0;             // CC
-    double dlr = 0.0;                      // CC / CP
-    std::uint64_t ncp = 0;                 // floor(NPP * DLR)
-    std::optional<double> rup;             // UP / NCP where the user asked for something
-    std::uint64_t triangles = 0;           // the least of all limits; >= 1 unless the asset is empty
+    double capacity_mhz = 0.0;    // CC
+    double dlr = 0.0;             // CC / CP
+    std::uint64_t ncp = 0;        // floor(NPP * DLR)
+    std::optional<double> rup;    // UP / NCP where the user asked for something
+    std::uint64_t triangles = 0;  // the least of all limits; >= 1 unless the asset is empty
     LimitedBy limited_by = LimitedBy::device;
-    bool feasible = true;                  // false: the binding limit allows less than one triangle, one is given all the same
+    bool feasible = true;  // false: the binding limit allows less than one triangle, one is given all the same
 };
 
 // Capacity in MHz of Table 1's scale: cpu_mhz * (1 + uplift), or the measured rate where there is one.
 // pre: validate(device) succeeded.
 double capacity_mhz(const DeviceReport& device);
 
-// Table 2's upper figure (good quality at full preference) for a display of `pixels`: piecewise linear between its rows,
-// continued by the first row's triangles per pixel below and by the last interval's slope above. Never negative.
+// Table 2's upper figure (good quality at full preference) for a display of `pixels`: piecewise linear between its
+// rows, continued by the first row's triangles per pixel below and by the last interval's slope above. Never negative.
 double triangles_for_display(double pixels);
 
 // Bytes over what the network carries in max_wait_s; above 1: too many. 0 where no network is given.

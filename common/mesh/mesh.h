@@ -14,14 +14,14 @@ namespace lodestream::mesh {
 using Triangle = std::array<std::uint32_t, 3>;  // counter-clockwise seen from outside
 
 // An indexed triangle mesh. A *vertex* carries all its attributes, so vertices at one position that differ in normal,
-// texture coordinate, colour or material are several (the field's "wedges"); they share the bit pattern of the position.
-// Every attribute vector is either empty (the mesh does not have it) or as long as `positions`.
+// texture coordinate, colour or material are several (the field's "wedges"); they share the bit pattern of the
+// position. Every attribute vector is either empty (the mesh does not have it) or as long as `positions`.
 struct Mesh {
-    std::vector<Vec3f> positions;             // model units, relative to Model::origin; finite
-    std::vector<Vec3f> normals;               // unit length
-    std::vector<Vec2f> texture_coordinates;   // glTF convention: (0,0) is the image's upper left
-    std::vector<Rgba8> colors;                // linear RGBA
-    std::vector<Triangle> triangles;          // indices < positions.size(), three different positions each
+    std::vector<Vec3f> positions;                   // model units, relative to Model::origin; finite
+    std::vector<Vec3f> normals;                     // unit length
+    std::vector<Vec2f> texture_coordinates;         // glTF convention: (0,0) is the image's upper left
+    std::vector<Rgba8> colors;                      // linear RGBA
+    std::vector<Triangle> triangles;                // indices < positions.size(), three different positions each
     std::vector<std::uint32_t> triangle_materials;  // into Model::materials, one a triangle; empty: all are material 0
 };
 
@@ -64,7 +64,7 @@ inline bool has_texture(const Material& m) {
 struct Image {
     std::string media_type;  // "image/png" or "image/jpeg"
     std::vector<std::byte> bytes;
-    std::uint32_t width = 0;   // texels
+    std::uint32_t width = 0;  // texels
     std::uint32_t height = 0;
 };
 

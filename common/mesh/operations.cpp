@@ -46,7 +46,9 @@ std::uint64_t combine(std::uint64_t hash, float value) {
     return mix(hash ^ std::bit_cast<std::uint32_t>(value == 0.0f ? 0.0f : value));
 }
 
-std::uint64_t hash_of(const Vec3f& v, std::uint64_t seed) { return combine(combine(combine(seed, v.x), v.y), v.z); }
+std::uint64_t hash_of(const Vec3f& v, std::uint64_t seed) {
+    return combine(combine(combine(seed, v.x), v.y), v.z);
+}
 
 // A vertex of `mesh` as used by a triangle of `material`.
 struct Corner {
@@ -68,7 +70,8 @@ std::uint64_t hash_of(const Mesh& mesh, const Corner& c) {
 bool same(const Mesh& mesh, const Corner& a, const Corner& b) {
     return a.material == b.material && mesh.positions[a.vertex] == mesh.positions[b.vertex] &&
            (mesh.normals.empty() || mesh.normals[a.vertex] == mesh.normals[b.vertex]) &&
-           (mesh.texture_coordinates.empty() || mesh.texture_coordinates[a.vertex] == mesh.texture_coordinates[b.vertex]) &&
+           (mesh.texture_coordinates.empty() ||
+            mesh.texture_coordinates[a.vertex] == mesh.texture_coordinates[b.vertex]) &&
            (mesh.colors.empty() || mesh.colors[a.vertex] == mesh.colors[b.vertex]);
 }
 
@@ -92,7 +95,8 @@ struct ScaledCross {
 
 ScaledCross scaled_cross(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
     const Vec3d u = Vec3d(b) - Vec3d(a), v = Vec3d(c) - Vec3d(a);
-    const double scale = std::max({std::abs(u.x), std::abs(u.y), std::abs(u.z), std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    const double scale =
+        std::max({std::abs(u.x), std::abs(u.y), std::abs(u.z), std::abs(v.x), std::abs(v.y), std::abs(v.z)});
     if (!(scale > 0.0) || !std::isfinite(scale)) return {};
     return {cross(u / scale, v / scale), scale};
 }
@@ -156,10 +160,14 @@ void crease_normals(const std::uint32_t* begin, const std::uint32_t* end, const 
 
 const char* kind_name(Kind kind) {
     switch (kind) {
-        case Kind::mesh: return "mesh";
-        case Kind::scene: return "scene";
-        case Kind::terrain: return "terrain";
-        case Kind::points: return "points";
+        case Kind::mesh:
+            return "mesh";
+        case Kind::scene:
+            return "scene";
+        case Kind::terrain:
+            return "terrain";
+        case Kind::points:
+            return "points";
     }
     return "mesh";
 }
@@ -175,7 +183,8 @@ std::vector<std::uint32_t> weld_positions(const std::vector<Vec3f>& positions) {
     IndexTable table(positions.size());
     std::vector<std::uint32_t> first(positions.size());
     for (std::uint32_t i = 0; i < positions.size(); ++i)
-        first[i] = table.find_or_add(hash_of(positions[i], 1), i, [&](std::uint32_t j) { return positions[i] == positions[j]; });
+        first[i] = table.find_or_add(hash_of(positions[i], 1), i,
+                                     [&](std::uint32_t j) { return positions[i] == positions[j]; });
     return first;
 }
 
@@ -220,8 +229,8 @@ Mesh with_normals(const Mesh& mesh, double crease_degrees) {
     const double cos_crease = std::cos(radians(crease_degrees));
     std::vector<Vec3f> corner_normals(corners);
     for (std::size_t p = 0; p + 1 < by.first.size(); ++p)
-        crease_normals(by.corners.data() + by.first[p], by.corners.data() + by.first[p + 1], face_normals, angles, cos_crease,
-                       corner_normals);
+        crease_normals(by.corners.data() + by.first[p], by.corners.data() + by.first[p + 1], face_normals, angles,
+                       cos_crease, corner_normals);
 
     Mesh soup;
     soup.triangle_materials = mesh.triangle_materials;

@@ -9,9 +9,13 @@ namespace {
 
 constexpr double nearest_share_of_radius = 0.01;
 
-double half_fov(const View& view) { return radians(std::clamp(view.fov_y_deg, min_fov_deg, max_fov_deg)) / 2.0; }
+double half_fov(const View& view) {
+    return radians(std::clamp(view.fov_y_deg, min_fov_deg, max_fov_deg)) / 2.0;
+}
 
-double height_of(const budget::Display& display) { return std::max<double>(1.0, display.height); }
+double height_of(const budget::Display& display) {
+    return std::max<double>(1.0, display.height);
+}
 
 // Distance over radius from the eye to the box's centre, without squaring what could overflow.
 double relative_distance(const View& view, const Box& bounds) {

@@ -10,8 +10,8 @@ namespace lodestream::shading {
 struct View {
     Vec3d eye{0.0};
     Vec3d target{0.0};
-    double fov_y_deg = 45.0;          // clamped to [min_fov_deg, max_fov_deg]
-    Vec3d light{0.3, 1.0, 0.5};       // direction towards the light, world axes; any finite length but zero
+    double fov_y_deg = 45.0;     // clamped to [min_fov_deg, max_fov_deg]
+    Vec3d light{0.3, 1.0, 0.5};  // direction towards the light, world axes; any finite length but zero
 };
 
 inline constexpr double min_fov_deg = 1.0;

@@ -19,7 +19,9 @@ constexpr double recorded_share = 0.6;
 
 class Stopwatch {
   public:
-    double ms() const { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count(); }
+    double ms() const {
+        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+    }
 
   private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
@@ -45,8 +47,9 @@ Result<proto::Level> make_level(store::Store& store, const std::string& asset_id
                                 const metric::SurfaceIndex& original, std::uint64_t triangles) {
     const mesh::Mesh& source = baked.model.mesh;
     const mesh::Mesh level = simplify::cut(source, baked.history, triangles);
-    const metric::SurfaceError error =
-        level.triangles.size() == source.triangles.size() ? metric::SurfaceError{} : metric::measure(original, source, level);
+    const metric::SurfaceError error = level.triangles.size() == source.triangles.size()
+                                           ? metric::SurfaceError{}
+                                           : metric::measure(original, source, level);
 
     const Stopwatch watch;
     const std::vector<std::uint8_t> all_gouraud(level.triangles.size(), 1);
@@ -73,7 +76,8 @@ Result<proto::Level> make_level(store::Store& store, const std::string& asset_id
 }
 
 // Everything of a bake that can fail; the caller turns a failure into the asset's status.
-Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::Model model, const BakeOptions& options) {
+Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::Model model,
+                                 const BakeOptions& options) {
     const auto report = [&](double share) { return !options.progress || options.progress(share); };
     const Error cancelled = fail(ErrorCode::unavailable, "the bake of '" + asset.name + "' was cancelled");
 
@@ -87,14 +91,16 @@ Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::
     const metric::SurfaceIndex original(baked.model.mesh);
     const std::vector<std::uint64_t> counts = ladder_counts(baked.model.mesh.triangles.size());
     for (std::size_t i = 0; i < counts.size(); ++i) {
-        if (!report(recorded_share + (1.0 - recorded_share) * static_cast<double>(i) / static_cast<double>(counts.size())))
+        if (!report(recorded_share +
+                    (1.0 - recorded_share) * static_cast<double>(i) / static_cast<double>(counts.size())))
             return cancelled;
         Result<proto::Level> level = make_level(store, asset.id, baked, original, counts[i]);
         if (!level) return level.error();
         if (!asset.levels.empty() && asset.levels.back().triangles == level->triangles) continue;
         asset.levels.push_back(std::move(*level));
     }
-    if (Result<store::StoredFile> file = store.put_content(asset.id, baked_key, "bake", serialize(baked)); !file) return file.error();
+    if (Result<store::StoredFile> file = store.put_content(asset.id, baked_key, "bake", serialize(baked)); !file)
+        return file.error();
 
     asset.bake_ms = watch.ms();
     asset.peak_memory_bytes = peak_memory_bytes();
@@ -106,7 +112,8 @@ Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::
 
 }  // namespace
 
-codec::QuantizationGrid level_grid(const mesh::Mesh& source, const mesh::Mesh& level, const metric::SurfaceError& error) {
+codec::QuantizationGrid level_grid(const mesh::Mesh& source, const mesh::Mesh& level,
+                                   const metric::SurfaceError& error) {
     return codec::choose_grid(mesh::bounds(source), error.rms, mean_edge_length(level));
 }
 
@@ -123,7 +130,9 @@ double percent_of_diagonal(double error, const Box& bounds) {
     return diagonal > 0.0 ? 100.0 * error / diagonal : 0.0;
 }
 
-std::string content_url(const std::string& hash) { return "/v1/content/" + hash + ".glb"; }
+std::string content_url(const std::string& hash) {
+    return "/v1/content/" + hash + ".glb";
+}
 
 Result<proto::Asset> bake(store::Store& store, proto::Asset asset, mesh::Model model, const BakeOptions& options) {
     asset.kind = mesh::kind_name(model.kind);
@@ -160,8 +169,10 @@ Result<std::string> asset_id(std::string_view name) {
     std::string id;
     for (const char c : name) {
         const bool lower = c >= 'a' && c <= 'z', digit = c >= '0' && c <= '9', upper = c >= 'A' && c <= 'Z';
-        if (upper) id += static_cast<char>(c - 'A' + 'a');
-        else id += lower || digit || c == '_' || (c == '.' && !id.empty()) ? c : '-';
+        if (upper)
+            id += static_cast<char>(c - 'A' + 'a');
+        else
+            id += lower || digit || c == '_' || (c == '.' && !id.empty()) ? c : '-';
     }
     return id;
 }

@@ -1,6 +1,6 @@
 // The stored form of a baked model, little-endian:
-//   magic "LODBAKE1", then the fields below in order. A vector is its element count (u64) and its elements; a string its
-//   byte count (u64) and its bytes.
+//   magic "LODBAKE1", then the fields below in order. A vector is its element count (u64) and its elements; a string
+//   its byte count (u64) and its bytes.
 #include <bit>
 #include <cstring>
 #include <type_traits>
@@ -9,7 +9,8 @@
 
 namespace lodestream::bake {
 
-static_assert(std::endian::native == std::endian::little, "the stored form is the memory's on little-endian machines only");
+static_assert(std::endian::native == std::endian::little,
+              "the stored form is the memory's on little-endian machines only");
 
 namespace {
 
@@ -95,7 +96,7 @@ class Reader {
 
 // One description of each type serves reading and writing.
 template <class Stream, class Material>
-    requires std::is_same_v<std::remove_const_t<Material>, mesh::Material>
+requires std::is_same_v<std::remove_const_t<Material>, mesh::Material>
 void describe(Stream& stream, Material& m) {
     stream(m.name);
     stream(m.base_color);
@@ -112,7 +113,7 @@ void describe(Stream& stream, Material& m) {
 }
 
 template <class Stream, class Image>
-    requires std::is_same_v<std::remove_const_t<Image>, mesh::Image>
+requires std::is_same_v<std::remove_const_t<Image>, mesh::Image>
 void describe(Stream& stream, Image& image) {
     stream(image.media_type);
     stream(image.bytes);
@@ -140,9 +141,13 @@ void describe_all(Stream& stream, Baked& baked) {
     stream(baked.history.triangle_step);
 }
 
-Error damaged(const char* what) { return fail(ErrorCode::invalid_input, std::string("baked model is damaged: ") + what); }
+Error damaged(const char* what) {
+    return fail(ErrorCode::invalid_input, std::string("baked model is damaged: ") + what);
+}
 
-bool fits(std::size_t attribute, std::size_t elements) { return attribute == 0 || attribute == elements; }
+bool fits(std::size_t attribute, std::size_t elements) {
+    return attribute == 0 || attribute == elements;
+}
 
 bool finite(const std::vector<Vec3f>& vectors) {
     for (const Vec3f& v : vectors)
@@ -153,19 +158,24 @@ bool finite(const std::vector<Vec3f>& vectors) {
 Status validate(const mesh::Model& model) {
     const mesh::Mesh& m = model.mesh;
     const std::size_t vertices = m.positions.size();
-    if (!fits(m.normals.size(), vertices) || !fits(m.texture_coordinates.size(), vertices) || !fits(m.colors.size(), vertices))
+    if (!fits(m.normals.size(), vertices) || !fits(m.texture_coordinates.size(), vertices) ||
+        !fits(m.colors.size(), vertices))
         return damaged("attribute counts differ");
     if (!fits(m.triangle_materials.size(), m.triangles.size())) return damaged("material count differs");
-    if (!finite(m.positions) || !finite(m.normals) || !all_finite(model.origin)) return damaged("numbers are not finite");
+    if (!finite(m.positions) || !finite(m.normals) || !all_finite(model.origin))
+        return damaged("numbers are not finite");
     for (const mesh::Triangle& t : m.triangles)
         for (std::uint32_t v : t)
             if (v >= vertices) return damaged("a triangle names a vertex that is not there");
     for (std::size_t t = 0; t < m.triangles.size(); ++t)
-        if (mesh::material_of(m, t) >= model.materials.size()) return damaged("a triangle names a material that is not there");
+        if (mesh::material_of(m, t) >= model.materials.size())
+            return damaged("a triangle names a material that is not there");
     for (const mesh::Material& material : model.materials)
-        for (const mesh::TextureReference* texture : {&material.base_color_texture, &material.metallic_roughness_texture,
-                                                      &material.occlusion_texture, &material.emissive_texture})
-            if (texture->image >= static_cast<int>(model.images.size())) return damaged("a material names an image that is not there");
+        for (const mesh::TextureReference* texture :
+             {&material.base_color_texture, &material.metallic_roughness_texture, &material.occlusion_texture,
+              &material.emissive_texture})
+            if (texture->image >= static_cast<int>(model.images.size()))
+                return damaged("a material names an image that is not there");
     return Nothing{};
 }
 
@@ -189,7 +199,8 @@ Result<BakedModel> deserialize(std::span<const std::byte> bytes) {
     if (!reader.at_end()) return damaged("bytes follow its end");
     if (Status valid = validate(baked.model); !valid) return valid.error();
     const mesh::Mesh& m = baked.model.mesh;
-    if (Status valid = simplify::validate(baked.history, m.positions.size(), m.triangles.size()); !valid) return valid.error();
+    if (Status valid = simplify::validate(baked.history, m.positions.size(), m.triangles.size()); !valid)
+        return valid.error();
     return baked;
 }
 

@@ -21,7 +21,9 @@ namespace lodestream::cli {
 
 namespace {
 
-bool is_sample(const std::string& input) { return input.starts_with(sample_prefix); }
+bool is_sample(const std::string& input) {
+    return input.starts_with(sample_prefix);
+}
 
 Result<mesh::Model> read_input(const std::string& input) {
     if (is_sample(input)) return samples::make_sample(input.substr(std::string_view(sample_prefix).size()));
@@ -62,7 +64,8 @@ Result<proto::Asset> bake_one(store::Store& store, const std::string& input) {
 
 void print_baked(const proto::Asset& asset) {
     std::printf("%s: %s, %llu triangles, %llu vertices, baked in %.0f ms\n", asset.name.c_str(), asset.kind.c_str(),
-                static_cast<unsigned long long>(asset.triangles), static_cast<unsigned long long>(asset.vertices), asset.bake_ms);
+                static_cast<unsigned long long>(asset.triangles), static_cast<unsigned long long>(asset.vertices),
+                asset.bake_ms);
     std::printf("  %10s %10s %12s %10s %10s\n", "triangles", "vertices", "rms error %", "bytes", "encode ms");
     for (const proto::Level& level : asset.levels)
         std::printf("  %10llu %10llu %12.5f %10llu %10.1f\n", static_cast<unsigned long long>(level.triangles),
@@ -74,7 +77,8 @@ void print_baked(const proto::Asset& asset) {
 Result<std::string> read_token(const std::filesystem::path& file) {
     std::ifstream in(file);
     std::string token;
-    if (!std::getline(in, token) || token.empty()) return invalid_input("no token on the first line of " + file.string());
+    if (!std::getline(in, token) || token.empty())
+        return invalid_input("no token on the first line of " + file.string());
     while (!token.empty() && (token.back() == '\r' || token.back() == ' ')) token.pop_back();
     return token;
 }
@@ -83,7 +87,8 @@ Result<std::string> read_token(const std::filesystem::path& file) {
 void submit_samples(store::Store& store, http::BakeQueue& bakes) {
     for (const std::string sample : served_samples) {
         const std::string name = asset_name_of(sample);
-        if (Result<proto::Asset> known = store.asset(name); known && known->status == proto::AssetStatus::ready) continue;
+        if (Result<proto::Asset> known = store.asset(name); known && known->status == proto::AssetStatus::ready)
+            continue;
         if (Result<proto::Asset> submitted = bakes.submit(name, sample); !submitted)
             std::fprintf(stderr, "%s: %s\n", sample.c_str(), submitted.error().message.c_str());
     }
@@ -135,12 +140,16 @@ Status bake(const BakeArguments& arguments) {
         Result<proto::Asset> asset = bake_one(*store, input);
         if (!asset) {
             Error failure = fail(asset.error().code, input + ": " + asset.error().message);
-            if (!first_failure) first_failure = failure;
-            else std::fprintf(stderr, "lodestream-server: %s\n", failure.message.c_str());
+            if (!first_failure)
+                first_failure = failure;
+            else
+                std::fprintf(stderr, "lodestream-server: %s\n", failure.message.c_str());
             continue;
         }
-        if (arguments.json) std::printf("%s\n", proto::bake_record(*asset).c_str());
-        else print_baked(*asset);
+        if (arguments.json)
+            std::printf("%s\n", proto::bake_record(*asset).c_str());
+        else
+            print_baked(*asset);
     }
     if (first_failure) return *first_failure;
     return Nothing{};
@@ -155,15 +164,16 @@ Status cut(const CutArguments& arguments) {
 
     Result<Written> written = write_model(arguments.out, level->model, level->error.rms, {});
     if (!written) return written.error();
-    const proto::CutRecord record{arguments.asset,         written->triangles,    written->vertices,     written->bytes,
-                                  level->cut_ms,           written->encode_ms,    level->measure_ms,     level->error.rms,
-                                  level->error.max,        level->rms_error_percent, arguments.out.string()};
+    const proto::CutRecord record{arguments.asset,  written->triangles,       written->vertices,     written->bytes,
+                                  level->cut_ms,    written->encode_ms,       level->measure_ms,     level->error.rms,
+                                  level->error.max, level->rms_error_percent, arguments.out.string()};
     if (arguments.json) {
         std::printf("%s\n", proto::cut_record(record).c_str());
     } else {
         std::printf("%s: %llu triangles, %llu bytes, rms error %.5f %% of the diagonal; cut %.2f ms, encode %.1f ms\n",
                     record.out.c_str(), static_cast<unsigned long long>(record.triangles),
-                    static_cast<unsigned long long>(record.bytes), record.rms_error_percent, record.cut_ms, record.encode_ms);
+                    static_cast<unsigned long long>(record.bytes), record.rms_error_percent, record.cut_ms,
+                    record.encode_ms);
     }
     return Nothing{};
 }
@@ -185,7 +195,8 @@ Status tileset(const TilesetArguments& arguments) {
         if (Status written = write_file(arguments.out / level.url, *bytes); !written) return written.error();
     }
     const std::string json = http::tileset_json(*asset);
-    if (Status written = write_file(arguments.out / "tileset.json", std::as_bytes(std::span(json))); !written) return written.error();
+    if (Status written = write_file(arguments.out / "tileset.json", std::as_bytes(std::span(json))); !written)
+        return written.error();
     std::printf("%s: %zu levels\n", (arguments.out / "tileset.json").c_str(), asset->levels.size());
     return Nothing{};
 }

@@ -50,7 +50,8 @@ struct SampleArguments {
 };
 Status sample(const SampleArguments& arguments);
 
-// Reads "sample:NAME[:COUNT]" or a model file. The name of the asset is the sample's, or the file's without its extension.
+// Reads "sample:NAME[:COUNT]" or a model file. The name of the asset is the sample's, or the file's without its
+// extension.
 inline constexpr const char* sample_prefix = "sample:";
 inline constexpr const char* served_samples[] = {"sample:teapot", "sample:terrain:40000", "sample:ship"};
 std::string asset_name_of(const std::string& input);

@@ -12,7 +12,8 @@ namespace lodestream::cli {
 
 namespace {
 
-Result<std::vector<std::byte>> encode_glb(const mesh::Model& model, double error, const std::string& extras_json, Written& written) {
+Result<std::vector<std::byte>> encode_glb(const mesh::Model& model, double error, const std::string& extras_json,
+                                          Written& written) {
     const std::vector<std::uint8_t> all_gouraud(model.mesh.triangles.size(), 1);
     codec::EncodeOptions options;
     options.grid = codec::choose_grid(mesh::bounds(model.mesh), error, bake::mean_edge_length(model.mesh));

@@ -36,7 +36,8 @@ std::string header(const mesh::Mesh& mesh, bool far_away) {
     if (!mesh.texture_coordinates.empty()) h += "property float s\nproperty float t\n";
     if (!mesh.colors.empty())
         h += "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
-    return h + "element face " + std::to_string(mesh.triangles.size()) + "\nproperty list uchar uint vertex_indices\nend_header\n";
+    return h + "element face " + std::to_string(mesh.triangles.size()) +
+           "\nproperty list uchar uint vertex_indices\nend_header\n";
 }
 
 }  // namespace
@@ -47,8 +48,10 @@ std::vector<std::byte> write_ply(const mesh::Model& model) {
     Bytes out;
     out.text(header(mesh, far_away));
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-        if (far_away) out.vector(Vec3d(mesh.positions[v]) + model.origin);
-        else out.vector(mesh.positions[v]);
+        if (far_away)
+            out.vector(Vec3d(mesh.positions[v]) + model.origin);
+        else
+            out.vector(mesh.positions[v]);
         if (!mesh.normals.empty()) out.vector(mesh.normals[v]);
         if (!mesh.texture_coordinates.empty())
             out.vector(Vec2f{mesh.texture_coordinates[v].x, 1.0f - mesh.texture_coordinates[v].y});

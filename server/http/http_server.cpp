@@ -202,13 +202,16 @@ asio::awaitable<bool> Session::serve_one() {
     if (!refused && request->method == "POST" && !has_body && !request->headers.contains("content-length") &&
         !parser.chunked())
         refused = shared_.service.refuse(411, "a POST needs Content-Length");
-    Share<std::uint64_t> in_flight(shared_.body_bytes_in_flight);
-    if (!refused && has_body) refused = co_await read_body(parser, *request, in_flight);
+    std::optional<Share<std::uint64_t>> in_flight(std::in_place, shared_.body_bytes_in_flight);
+    if (!refused && has_body) refused = co_await read_body(parser, *request, *in_flight);
     if (refused && has_body) {
+        request->body = {};
+        in_flight.reset();
         co_await refuse_and_close(*refused);
         co_return false;
     }
     if (!refused) refused = co_await answer(*request);
+    in_flight.reset();  // before the client knows that its body is done with
     const bool written = co_await write(*refused, head_only, keep_alive && !stopping_);
     co_return written&& keep_alive;
 }

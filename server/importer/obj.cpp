@@ -168,7 +168,7 @@ class Reader {
             soup_.set_color(places_[i], linear_from_srgb(Vec4f{colors_[i] * scale, 1.0f}));
         for (const auto& [vertex, place] : copies_) soup_.set_color(vertex, Rgba8(soup_.colors[place]));
         if (!undefined_.empty())
-            soup_.warn(std::to_string(undefined_.size()) + " materials are not defined, as \"" + *undefined_.begin() +
+            soup_.warn("undefined materials: " + std::to_string(undefined_.size()) + ", as \"" + *undefined_.begin() +
                        "\"");
         soup_.objects = objects_;
         if (objects_ > 1) soup_.kind = mesh::Kind::scene;

@@ -36,7 +36,8 @@ Result<std::shared_ptr<LoadedAsset>> BakedCache::load(const std::string& asset_i
     if (!content) return content.error();
 
     const std::lock_guard lock(mutex_);
-    const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.asset_id == asset_id; });
+    const auto entry =
+        std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.asset_id == asset_id; });
     if (entry != entries_.end() && entry->hash == content->file.hash) {
         entries_.splice(entries_.begin(), entries_, entry);
         return entry->asset;

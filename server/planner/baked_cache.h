@@ -15,10 +15,10 @@
 
 namespace lodestream::planner {
 
-inline constexpr std::uint64_t max_cached_bytes = 4ull << 30;      // of all loaded assets, estimated from their stored size
-inline constexpr std::uint64_t memory_per_stored_byte = 4;         // arrays, distance index, samples
-inline constexpr std::uint64_t max_baked_bytes = 16ull << 30;      // of one stored baked model
-inline constexpr std::size_t max_remembered_errors = 4'096;        // of one asset
+inline constexpr std::uint64_t max_cached_bytes = 4ull << 30;  // of all loaded assets, estimated from their stored size
+inline constexpr std::uint64_t memory_per_stored_byte = 4;     // arrays, distance index, samples
+inline constexpr std::uint64_t max_baked_bytes = 16ull << 30;  // of one stored baked model
+inline constexpr std::size_t max_remembered_errors = 4'096;    // of one asset
 
 // One asset ready to be cut. Immutable but for the errors remembered.
 struct LoadedAsset {
@@ -54,7 +54,7 @@ class BakedCache {
     void make_room();
 
     store::Store& store_;
-    std::mutex mutex_;         // held while loading too: two plans never load one asset twice
+    std::mutex mutex_;          // held while loading too: two plans never load one asset twice
     std::list<Entry> entries_;  // used last first
 };
 

@@ -41,9 +41,12 @@ Result<EncodedSplit> encode_with(const Job& job, const std::vector<std::uint8_t>
 
 std::uint64_t wanted_gouraud(const SplitRequest& request, std::uint64_t triangles) {
     switch (request.mode) {
-        case proto::ShadingMode::gouraud: return triangles;
-        case proto::ShadingMode::flat: return 0;
-        case proto::ShadingMode::hybrid: return shading::gouraud_count(triangles, request.distance);
+        case proto::ShadingMode::gouraud:
+            return triangles;
+        case proto::ShadingMode::flat:
+            return 0;
+        case proto::ShadingMode::hybrid:
+            return shading::gouraud_count(triangles, request.distance);
     }
     return triangles;
 }

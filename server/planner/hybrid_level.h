@@ -1,5 +1,5 @@
-// From a cut level to encoded content: the split that the request asks for, held to the law that a hybrid level is never
-// larger than the same level all Gouraud.
+// From a cut level to encoded content: the split that the request asks for, held to the law that a hybrid level is
+// never larger than the same level all Gouraud.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +31,8 @@ struct EncodedSplit {
 // The JSON that a level carries in its extras, from the split's counts and mode (its `encoded` is still empty then).
 using Extras = std::function<std::string(const EncodedSplit&)>;
 
-// `model` gives materials, images and origin. Tries ever fewer and larger regions until the hybrid level is not larger than
-// the all-Gouraud one, and sends that one if none is.
+// `model` gives materials, images and origin. Tries ever fewer and larger regions until the hybrid level is not larger
+// than the all-Gouraud one, and sends that one if none is.
 Result<EncodedSplit> encode_split(const mesh::Model& model, const mesh::Mesh& level, const SplitRequest& request,
                                   const codec::EncodeOptions& options, const Extras& extras);
 

@@ -22,7 +22,9 @@ constexpr double network_margin = 1.01;
 
 class Stopwatch {
   public:
-    double ms() const { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count(); }
+    double ms() const {
+        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+    }
 
   private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
@@ -50,7 +52,8 @@ std::string content_key(std::uint64_t triangles, const SplitRequest& split, cons
     const Vec3d eye = split.view.eye - center, light = split.view.light;
     for (const double number : {split.distance, eye.x, eye.y, eye.z, light.x, light.y, light.z}) {
         char hex[24];
-        std::snprintf(hex, sizeof hex, "/%016llx", static_cast<unsigned long long>(std::bit_cast<std::uint64_t>(number)));
+        std::snprintf(hex, sizeof hex, "/%016llx",
+                      static_cast<unsigned long long>(std::bit_cast<std::uint64_t>(number)));
         key += hex;
     }
     return key;
@@ -80,10 +83,10 @@ struct Planner::Impl {
     BakedCache cache;
 
     Result<proto::PlanResponse> plan(const proto::PlanRequest& request);
-    Result<proto::PlanResponse> plan_level(const proto::PlanRequest& request, const proto::Asset& asset, LoadedAsset& loaded,
-                                           const budget::Budget& budget);
-    Status add_content(proto::PlanResponse& response, const proto::Asset& asset, LoadedAsset& loaded, const SplitRequest& split,
-                       std::uint64_t triangles);
+    Result<proto::PlanResponse> plan_level(const proto::PlanRequest& request, const proto::Asset& asset,
+                                           LoadedAsset& loaded, const budget::Budget& budget);
+    Status add_content(proto::PlanResponse& response, const proto::Asset& asset, LoadedAsset& loaded,
+                       const SplitRequest& split, std::uint64_t triangles);
 };
 
 // Cuts, measures, splits, encodes and stores one level, unless the store has it.
@@ -127,10 +130,12 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
     const std::uint64_t full_bytes = asset.levels.empty() ? 0 : asset.levels.front().bytes;
     fill_shading(response, *encoded);
     fill_content(response, encoded->encoded, full_bytes);
-    if (split.mode == proto::ShadingMode::hybrid && encoded->mode == proto::ShadingMode::gouraud && split.distance > 0.0)
+    if (split.mode == proto::ShadingMode::hybrid && encoded->mode == proto::ShadingMode::gouraud &&
+        split.distance > 0.0)
         response.warnings.push_back("sent all Gouraud: every split of this level would have been larger");
 
-    Result<store::StoredFile> file = store.put_content(asset.id, key, "glb", encoded->encoded.glb, proto::to_json(response));
+    Result<store::StoredFile> file =
+        store.put_content(asset.id, key, "glb", encoded->encoded.glb, proto::to_json(response));
     if (!file) return file.error();
     response.content.url = bake::content_url(file->hash);
     return Nothing{};
@@ -148,7 +153,8 @@ Result<proto::PlanResponse> Planner::Impl::plan_level(const proto::PlanRequest& 
     split.mode = request.shading;
     split.view = request.view ? *request.view : shading::framing_view(loaded.world_bounds);
     const budget::Display display = request.budget.display.value_or(shading::default_display);
-    split.distance = shading::distance_level(split.view, loaded.world_bounds, display, shading::distance_steps(budget.dlr));
+    split.distance =
+        shading::distance_level(split.view, loaded.world_bounds, display, shading::distance_steps(budget.dlr));
 
     if (Status added = add_content(response, asset, loaded, split, budget.triangles); !added) return added.error();
     response.shading.distance = split.distance;
@@ -192,7 +198,9 @@ Result<proto::PlanResponse> Planner::Impl::plan(const proto::PlanRequest& reques
 Planner::Planner(store::Store& store) : impl_(std::make_unique<Impl>(store)) {}
 Planner::~Planner() = default;
 
-Result<proto::PlanResponse> Planner::plan(const proto::PlanRequest& request) { return impl_->plan(request); }
+Result<proto::PlanResponse> Planner::plan(const proto::PlanRequest& request) {
+    return impl_->plan(request);
+}
 
 Result<Planner::Cut> Planner::cut(std::string_view name, std::uint64_t triangles) {
     if (triangles == 0) return invalid_input("a cut has at least one triangle");
@@ -217,6 +225,8 @@ Result<Planner::Cut> Planner::cut(std::string_view name, std::uint64_t triangles
     return result;
 }
 
-void Planner::forget(std::string_view asset_id) { impl_->cache.forget(std::string(asset_id)); }
+void Planner::forget(std::string_view asset_id) {
+    impl_->cache.forget(std::string(asset_id));
+}
 
 }  // namespace lodestream::planner

@@ -20,12 +20,13 @@ class Planner {
     ~Planner();
 
     // The whole answer. The same level, split and encoding asked for again come from the store.
-    // Errors: not_found (asset), unavailable (still baking), conflict (its bake failed), invalid_input, unsupported (profile).
+    // Errors: not_found (asset), unavailable (still baking), conflict (its bake failed), invalid_input, unsupported
+    // (profile).
     Result<proto::PlanResponse> plan(const proto::PlanRequest& request);
 
     // The level of at most `triangles` (>= 1) of a baked asset, with its measured error.
     struct Cut {
-        mesh::Model model;             // the level's mesh with the asset's materials, images and origin
+        mesh::Model model;  // the level's mesh with the asset's materials, images and origin
         metric::SurfaceError error;
         double rms_error_percent = 0.0;
         double cut_ms = 0.0;

@@ -44,7 +44,16 @@ TEST(Table, ANameOfAThousandCharactersDoesNotWidenTheTable) {
     Table table = small_table();
     table.rows[0][0] = std::string(1000, 'x');
     for (const std::string& line : lines_of(to_text(table, false)))
-        EXPECT_LE(code_points(line), max_terminal_cell + 20);
+        EXPECT_LE(terminal_columns(line), max_terminal_cell + 20);
+}
+
+TEST(Table, NamesInWideScriptsStayAligned) {
+    Table table = small_table();
+    table.rows[0][0] = std::string("찻주전자");
+    const std::vector<std::string> lines = lines_of(to_text(table, false));
+    EXPECT_EQ(terminal_columns(lines[2]), terminal_columns(lines[3]));
+    table.rows[0][0] = std::string("찻주전자찻주전자찻주전자찻주전자");
+    EXPECT_THAT(to_text(table, false), HasSubstr("찻주전자찻주전자찻주전…  "));
 }
 
 TEST(Table, ANameCannotSendTerminalCommandsOrBreakItsLine) {

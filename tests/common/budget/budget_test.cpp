@@ -176,7 +176,9 @@ TEST(Budget, InfeasibleGivesOneTriangleAndSaysSo) {
     EXPECT_FALSE(derive_budget(device(1e-300), teapot)->feasible);
 }
 
-TEST(Budget, OfAnEmptyAssetIsZero) { EXPECT_EQ(derive_budget(device(3400), AssetCost{})->triangles, 0u); }
+TEST(Budget, OfAnEmptyAssetIsZero) {
+    EXPECT_EQ(derive_budget(device(3400), AssetCost{})->triangles, 0u);
+}
 
 TEST(Budget, HugeNumbersSaturate) {
     Request request = device(1e308, Gpu::discrete);
@@ -198,10 +200,18 @@ TEST(Budget, RefusesWhatIsNotANumberAboveZeroAndNamesIt) {
         EXPECT_NE(with([&](Request& r) { r.device.triangles_per_second = bad; }).find("device.triangles_per_second"),
                   std::string::npos);
         EXPECT_NE(with([&](Request& r) { r.preference.quality = bad; }).find("preference.quality"), std::string::npos);
-        EXPECT_NE(with([&](Request& r) { r.preference.target_fps = bad; }).find("preference.target_fps"), std::string::npos);
-        EXPECT_NE(with([&](Request& r) { r.network = Network{bad, 0, 1}; }).find("network.downlink_mbps"), std::string::npos);
-        EXPECT_NE(with([&](Request& r) { r.network = Network{1, 0, bad}; }).find("network.max_wait_s"), std::string::npos);
-        EXPECT_NE(with([&](Request& r) { r.reference.capacity_mhz = bad; }).find("reference.capacity_mhz"), std::string::npos);
+        EXPECT_NE(with([&](Request& r) { r.preference.target_fps = bad; }).find("preference.target_fps"),
+                  std::string::npos);
+        EXPECT_NE(with([&](Request& r) {
+                      r.network = Network{bad, 0, 1};
+                  }).find("network.downlink_mbps"),
+                  std::string::npos);
+        EXPECT_NE(with([&](Request& r) {
+                      r.network = Network{1, 0, bad};
+                  }).find("network.max_wait_s"),
+                  std::string::npos);
+        EXPECT_NE(with([&](Request& r) { r.reference.capacity_mhz = bad; }).find("reference.capacity_mhz"),
+                  std::string::npos);
         if (bad == 0.0) continue;  // no round trip at all is fine
         EXPECT_NE(with([&](Request& r) { r.network = Network{1, bad, 1}; }).find("network.rtt_ms"), std::string::npos);
     }
@@ -236,7 +246,8 @@ TEST(Budget, IsBelowEveryLimitAndMonotonicInCapacity) {
     const AssetCost cost{250'000, {{250'000, 700'000}, {60'000, 200'000}, {500, 4'000}}, 1.0};
     for (int i = 0; i < 1000; ++i) {
         Request request = device(std::pow(10.0, exponent(random)));
-        request.display = Display{static_cast<std::uint32_t>(1 + random() % 8000), static_cast<std::uint32_t>(1 + random() % 8000)};
+        request.display =
+            Display{static_cast<std::uint32_t>(1 + random() % 8000), static_cast<std::uint32_t>(1 + random() % 8000)};
         request.device.memory_mb = std::pow(10.0, exponent(random));
         request.network = Network{std::pow(10.0, exponent(random)), static_cast<double>(random() % 300), 3};
         const Budget budget = *derive_budget(request, cost);
@@ -252,7 +263,7 @@ TEST(Operations, Table3WithBothReadingsOfItsHybridRow) {
     EXPECT_EQ(operations(0, 6400).criterion, 57'600u);
     EXPECT_EQ(operations(0, 6400).total, 64'000u);
     EXPECT_EQ(operations(6400, 0).total, 83'200u);
-    EXPECT_EQ(operations(179, 6221).total, 64'537u);                       // the text's reading: 179 polygons are Gouraud
+    EXPECT_EQ(operations(179, 6221).total, 64'537u);  // the text's reading: 179 polygons are Gouraud
     EXPECT_EQ(operations(0, 6400).criterion + 179u + 4u * 4421u, 75'463u);  // as printed; 179 + 4421 is not 6400
 }
 

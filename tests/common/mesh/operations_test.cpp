@@ -23,7 +23,9 @@ TEST(Weld, TakesNegativeZeroForZero) {
               (std::vector<std::uint32_t>{0, 0, 2}));
 }
 
-TEST(Weld, OfNothingIsNothing) { EXPECT_TRUE(weld_positions({}).empty()); }
+TEST(Weld, OfNothingIsNothing) {
+    EXPECT_TRUE(weld_positions({}).empty());
+}
 
 TEST(Compact, JoinsEqualVerticesAndDropsUnusedOnes) {
     Mesh soup;
@@ -99,7 +101,8 @@ TEST(Normals, OfAFanWithTenThousandTrianglesTakeLinearTime) {
     fan.positions.push_back({0, 0, 0});
     constexpr std::uint32_t blades = 10'000;
     for (std::uint32_t i = 0; i <= blades; ++i)
-        fan.positions.push_back({static_cast<float>(std::cos(0.0006 * i)), 0.0f, static_cast<float>(-std::sin(0.0006 * i))});
+        fan.positions.push_back(
+            {static_cast<float>(std::cos(0.0006 * i)), 0.0f, static_cast<float>(-std::sin(0.0006 * i))});
     for (std::uint32_t i = 0; i < blades; ++i) fan.triangles.push_back({0, i + 1, i + 2});
     for (const Vec3f& n : with_normals(fan, 60.0).normals) EXPECT_NEAR(n.y, 1.0, 1e-6);
 }

@@ -17,7 +17,9 @@ Box box_of_radius(double radius) {
     return box;
 }
 
-View from(double distance) { return {{0, 0, distance}, {0, 0, 0}, 45.0, {0, 1, 0}}; }
+View from(double distance) {
+    return {{0, 0, distance}, {0, 0, 0}, 45.0, {0, 1, 0}};
+}
 
 TEST(Distance, IsZeroAtTheObjectAndOneWhereItIsSixteenPixelsTall) {
     const Box box = box_of_radius(2.0);

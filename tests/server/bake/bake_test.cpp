@@ -63,7 +63,8 @@ TEST(BakedModel, SurvivesEveryFlippedByte) {
         damaged[i] ^= std::byte{0xff};
         const Result<BakedModel> back = deserialize(damaged);
         if (!back) continue;
-        for (const std::uint64_t n : {1u, 17u, 60u}) EXPECT_LE(simplify::cut(back->model.mesh, back->history, n).triangles.size(), n);
+        for (const std::uint64_t n : {1u, 17u, 60u})
+            EXPECT_LE(simplify::cut(back->model.mesh, back->history, n).triangles.size(), n);
     }
 }
 

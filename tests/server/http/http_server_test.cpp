@@ -8,6 +8,7 @@
 #include <fstream>
 #include <future>
 #include <latch>
+#include <memory>
 #include <thread>
 
 #include "tests/server/http/harness.h"
@@ -202,20 +203,23 @@ TEST(HttpServer, BoundsTheBodyOfEachCall) {
     EXPECT_EQ(chunked.receive().status, 413);
 }
 
-TEST(HttpServer, BoundsAllBodiesTogether) {
+TEST(HttpServer, BoundsTheBytesInFlightAndGivesThemBackAtOnce) {
     ServerOptions options;
     options.max_body_bytes_in_flight = 10'000;
     RunningServer server(options);
-    RawClient first(server.port);
-    first.send(request("POST", "/v1/assets?name=first", "Content-Length: 9000\r\n") + std::string(8000, ' '));
-    RawResponse second;
-    do second = server.exchange(request_with_body("/v1/assets?name=second", std::string(5000, ' ')));
-    while (second.status == 415);  // until the first one's bytes have arrived
-    EXPECT_EQ(second.status, 503);
-    EXPECT_TRUE(second.headers.contains("retry-after"));
-    first.send(std::string(1000, ' '));
-    EXPECT_EQ(first.receive().status, 415);
-    EXPECT_EQ(server.exchange(request_with_body("/v1/assets?name=second", std::string(5000, ' '))).status, 415);
+    const auto upload = [&](std::size_t bytes, RawClient& client) {
+        client.send(request_with_body("/v1/assets?name=x", std::string(bytes, ' ')));
+        return client.receive();
+    };
+    std::vector<std::unique_ptr<RawClient>> kept_open;  // so that a refused one lingers
+    for (int round = 0; round < 5; ++round) {
+        for (const auto& [bytes, status] : {std::pair{6'000, 415}, {10'001, 503}, {10'000, 415}}) {
+            kept_open.push_back(std::make_unique<RawClient>(server.port));
+            const RawResponse response = upload(static_cast<std::size_t>(bytes), *kept_open.back());
+            EXPECT_EQ(response.status, status) << bytes << " bytes in round " << round;
+            EXPECT_EQ(response.headers.contains("retry-after"), status == 503);
+        }
+    }
 }
 
 TEST(HttpServer, AnswersBeforeAnUnwantedBodyIsSent) {
