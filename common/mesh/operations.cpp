@@ -191,7 +191,10 @@ std::vector<std::uint32_t> weld_positions(const std::vector<Vec3f>& positions) {
 Mesh compact(const Mesh& mesh) {
     Mesh out;
     const std::size_t corners = 3 * mesh.triangles.size();
-    IndexTable table(std::min(corners, 2 * mesh.positions.size()) * 2);
+    std::uint64_t materials = 1;
+    for (const std::uint32_t m : mesh.triangle_materials) materials = std::max<std::uint64_t>(materials, m + 1ull);
+    // A vertex is kept once for each material that uses it.
+    IndexTable table(std::min<std::uint64_t>(corners, mesh.positions.size() * materials));
     std::vector<Corner> kept;
     kept.reserve(mesh.positions.size());
     out.triangles.reserve(mesh.triangles.size());

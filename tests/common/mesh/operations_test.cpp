@@ -59,6 +59,15 @@ TEST(Compact, KeepsSeamsAndMaterialBordersApart) {
     EXPECT_EQ(compact(mesh).positions.size(), 5u);
 }
 
+TEST(Compact, KeepsAVertexOnceForEachOfManyMaterials) {
+    Mesh mesh = single_triangle();
+    mesh.triangles.assign(60, {0, 1, 2});
+    for (std::uint32_t m = 0; m < 60; ++m) mesh.triangle_materials.push_back(m);
+    EXPECT_EQ(compact(mesh).positions.size(), 180u);
+    mesh.triangle_materials[0] = 0xffffffffu;
+    EXPECT_EQ(compact(mesh).positions.size(), 180u);
+}
+
 TEST(Compact, IsIdempotent) {
     const Mesh once = compact(sphere(12));
     const Mesh twice = compact(once);
