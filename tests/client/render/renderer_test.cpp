@@ -27,24 +27,24 @@ double to_srgb(double linear) {
 class RendererTest : public ::testing::Test {
   protected:
     void SetUp() override {
-        auto context = create_headless_context();
-        ASSERT_TRUE(context) << context.error().message;
-        context_.emplace(*std::move(context));
-        auto renderer = Renderer::create();
-        ASSERT_TRUE(renderer) << renderer.error().message;
-        renderer_.emplace(*std::move(renderer));
+        auto made_context = create_headless_context();
+        ASSERT_TRUE(made_context) << made_context.error().message;
+        context.emplace(*std::move(made_context));
+        auto made_renderer = Renderer::create();
+        ASSERT_TRUE(made_renderer) << made_renderer.error().message;
+        renderer.emplace(*std::move(made_renderer));
     }
 
     Image picture(const Decoded& content, const View& view, const DrawOptions& options = small) {
-        const auto uploaded = renderer_->upload(content);
+        const auto uploaded = renderer->upload(content);
         EXPECT_TRUE(uploaded) << uploaded.error().message;
-        const auto frame = renderer_->draw(view, options);
+        const auto frame = renderer->draw(view, options);
         EXPECT_TRUE(frame) << frame.error().message;
         return frame ? frame->image : Image{};
     }
 
-    std::optional<GlContext> context_;
-    std::optional<Renderer> renderer_;  // goes before its context
+    std::optional<GlContext> context;
+    std::optional<Renderer> renderer;  // goes before its context
 };
 
 const std::uint8_t* pixel(const Image& image, std::uint32_t x, std::uint32_t y) {
@@ -327,7 +327,7 @@ TEST_F(RendererTest, SceneBehindTheEyeOrFartherThanAPixelIsBackgroundAlone) {
 }
 
 TEST_F(RendererTest, EmptyLevelAndNoUploadDrawTheBackground) {
-    const auto before = renderer_->draw(from_front, small);
+    const auto before = renderer->draw(from_front, small);
     ASSERT_TRUE(before);
     EXPECT_EQ(covered(before->image), 0u);
     EXPECT_EQ(covered(picture(Decoded{}, from_front)), 0u);
@@ -353,7 +353,7 @@ TEST_F(RendererTest, BackgroundIsLinearAndTheCallers) {
 
 TEST_F(RendererTest, RefusesPicturesWithoutPixelsAndTooLargeOnes) {
     const auto code = [&](DrawOptions options) {
-        const auto frame = renderer_->draw(from_front, options);
+        const auto frame = renderer->draw(from_front, options);
         EXPECT_FALSE(frame);
         return frame ? ErrorCode::internal : frame.error().code;
     };
@@ -368,13 +368,13 @@ TEST_F(RendererTest, RefusesPicturesWithoutPixelsAndTooLargeOnes) {
 }
 
 TEST_F(RendererTest, RefusesAViewThatLooksNowhere) {
-    EXPECT_FALSE(renderer_->draw({{1, 1, 1}, {1, 1, 1}, 45, {0, 0, 1}}, small));
-    EXPECT_FALSE(renderer_->draw({{NAN, 1, 1}, {0, 0, 0}, 45, {0, 0, 1}}, small));
+    EXPECT_FALSE(renderer->draw({{1, 1, 1}, {1, 1, 1}, 45, {0, 0, 1}}, small));
+    EXPECT_FALSE(renderer->draw({{NAN, 1, 1}, {0, 0, 0}, 45, {0, 0, 1}}, small));
 }
 
 TEST_F(RendererTest, VeryWidePictureIsDrawnOrRefusedWithAReason) {
-    ASSERT_TRUE(renderer_->upload(content_of(testing::sphere(8), Shading::gouraud)));
-    const auto frame = renderer_->draw(from_front, {.width = 16'384, .height = 16, .samples = 4});
+    ASSERT_TRUE(renderer->upload(content_of(testing::sphere(8), Shading::gouraud)));
+    const auto frame = renderer->draw(from_front, {.width = 16'384, .height = 16, .samples = 4});
     if (frame) {
         EXPECT_EQ(frame->image.width, 16'384u);
         EXPECT_GT(covered(frame->image), 50u);
@@ -400,11 +400,11 @@ TEST_F(RendererTest, MultisamplingSoftensTheOutlineAndKeepsTheInside) {
 }
 
 TEST_F(RendererTest, SizesAndSamplesMayChangeBetweenFrames) {
-    ASSERT_TRUE(renderer_->upload(content_of(testing::sphere(8), Shading::gouraud)));
+    ASSERT_TRUE(renderer->upload(content_of(testing::sphere(8), Shading::gouraud)));
     for (const std::uint32_t side : {8u, 300u, 3u})
         for (const std::uint32_t samples : {4u, 1u}) {
             const auto frame =
-                renderer_->draw(from_front, {.width = side, .height = side, .samples = samples, .frames = 3});
+                renderer->draw(from_front, {.width = side, .height = side, .samples = samples, .frames = 3});
             ASSERT_TRUE(frame);
             EXPECT_EQ(frame->image.rgba.size(), std::size_t{side} * side * 4);
             EXPECT_GT(covered(frame->image), 0u) << side << " px, " << samples << " samples";
@@ -434,10 +434,10 @@ TEST_F(RendererTest, DamagedTextureIsDrawnWhiteAndWarnedOf) {
     Decoded content = content_of(square(), Shading::gouraud, Vec4f{1.0f});
     content.images.push_back({"image/png", std::vector<std::byte>(40, std::byte{7}), 8, 8});
     content.materials[0].base_color_texture.image = 0;
-    const auto uploaded = renderer_->upload(content);
+    const auto uploaded = renderer->upload(content);
     ASSERT_TRUE(uploaded);
     ASSERT_EQ(uploaded.warnings.size(), 1u);
-    const auto frame = renderer_->draw(from_front, {.width = 8, .height = 8, .samples = 1, .background = {0, 0, 0}});
+    const auto frame = renderer->draw(from_front, {.width = 8, .height = 8, .samples = 1, .background = {0, 0, 0}});
     ASSERT_TRUE(frame);
     EXPECT_EQ(pixel(frame->image, 4, 4)[0], 255);
 }
@@ -504,10 +504,10 @@ TEST_F(RendererTest, RefusesALevelThatContradictsItselfAndThenDrawsNothing) {
     const auto refused = [&](auto damage) {
         Decoded content = content_of(square(), Shading::gouraud);
         damage(content);
-        const auto uploaded = renderer_->upload(content);
+        const auto uploaded = renderer->upload(content);
         ASSERT_FALSE(uploaded);
         EXPECT_EQ(uploaded.error().code, ErrorCode::invalid_input);
-        const auto frame = renderer_->draw(from_front, small);
+        const auto frame = renderer->draw(from_front, small);
         ASSERT_TRUE(frame);
         EXPECT_EQ(covered(frame->image), 0u);
     };
@@ -523,16 +523,16 @@ TEST_F(RendererTest, RefusesALevelThatContradictsItselfAndThenDrawsNothing) {
 TEST_F(RendererTest, StatisticsCountWhatIsOnTheGpu) {
     mesh::Model model;
     model.mesh = testing::sphere(8);
-    const auto uploaded = renderer_->upload(drawable(model, model.mesh, std::vector<std::uint8_t>(112, 0)));
+    const auto uploaded = renderer->upload(drawable(model, model.mesh, std::vector<std::uint8_t>(112, 0)));
     ASSERT_TRUE(uploaded);
     EXPECT_EQ(uploaded->triangles, 112u);
     EXPECT_EQ(uploaded->gouraud_triangles, 0u);
     EXPECT_EQ(uploaded->geometry_bytes, (112u * 3u + 2u) * 12u);
-    const auto smooth = renderer_->upload(drawable(model, model.mesh));
+    const auto smooth = renderer->upload(drawable(model, model.mesh));
     ASSERT_TRUE(smooth);
     EXPECT_EQ(smooth->gouraud_triangles, 112u);
     EXPECT_EQ(smooth->geometry_bytes, 58u * 24u + 112u * 12u);
-    const auto frame = renderer_->draw(from_front, small);
+    const auto frame = renderer->draw(from_front, small);
     ASSERT_TRUE(frame);
     EXPECT_EQ(frame->triangles, 112u);
     EXPECT_EQ(frame->draw_calls, 1u);

@@ -18,18 +18,18 @@ class ServerProcessTest : public ::testing::Test {
     void SetUp() override {
         std::string pattern = (fs::temp_directory_path() / "server-process-test-XXXXXX").string();
         ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-        folder_ = pattern;
+        folder = pattern;
     }
-    void TearDown() override { fs::remove_all(folder_); }
+    void TearDown() override { fs::remove_all(folder); }
 
     fs::path script(const std::string& body) const {
-        const fs::path path = folder_ / "server";
+        const fs::path path = folder / "server";
         std::ofstream(path) << "#!/bin/sh\n" << body;
         fs::permissions(path, fs::perms::owner_all);
         return path;
     }
 
-    fs::path folder_;
+    fs::path folder;
 };
 
 TEST(ServerAddress, IsReadOnlyFromAWholeLine) {
@@ -40,7 +40,7 @@ TEST(ServerAddress, IsReadOnlyFromAWholeLine) {
 }
 
 TEST_F(ServerProcessTest, IsStoppedAndItsStoreRemovedAtTheEnd) {
-    const fs::path facts = folder_ / "facts";
+    const fs::path facts = folder / "facts";
     const fs::path program =
         script("echo \"$$ $5\" > " + facts.string() +
                "\nmkdir \"$5\"\necho listening on http://127.0.0.1:1\nwhile :; do sleep 0.05; done\n");
@@ -60,7 +60,7 @@ TEST_F(ServerProcessTest, IsStoppedAndItsStoreRemovedAtTheEnd) {
 }
 
 TEST_F(ServerProcessTest, HandsOnTheAssetsFolder) {
-    const fs::path facts = folder_ / "facts";
+    const fs::path facts = folder / "facts";
     const fs::path program =
         script("echo \"$@\" > " + facts.string() + "\necho listening on http://127.0.0.1:1\nexec sleep 60\n");
     const auto server = ServerProcess::start(program, fs::path("/some/models"));
@@ -79,7 +79,7 @@ TEST_F(ServerProcessTest, AServerThatEndsAtOnceIsAnErrorWithItsLastLine) {
 }
 
 TEST_F(ServerProcessTest, AMissingProgramIsNotFound) {
-    const auto server = ServerProcess::start(folder_ / "nothing", std::nullopt);
+    const auto server = ServerProcess::start(folder / "nothing", std::nullopt);
     ASSERT_FALSE(server.ok());
     EXPECT_EQ(server.error().code, ErrorCode::not_found);
 }

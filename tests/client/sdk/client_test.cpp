@@ -9,7 +9,6 @@
 namespace lodestream::sdk {
 namespace {
 
-using lodestream::testing::CannedReply;
 using lodestream::testing::CannedServer;
 using lodestream::testing::http_reply;
 using ::testing::HasSubstr;
