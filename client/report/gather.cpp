@@ -122,6 +122,7 @@ class Gatherer {
     Result<Drawn> draw(const shading::View& view, const budget::Display& display);
     Result<ImageError> compare(const render::Image& full, const render::Image& level);
     std::string unique_stem(const std::string& name);
+    Status begin(const std::string& step);
     void problem(const std::string& where, const Error& error) {
         data_.problems.push_back(where + ": " + error.message);
     }
@@ -134,8 +135,15 @@ class Gatherer {
     std::vector<render::Image> composite_rows_;
     std::set<std::string> stems_;
     std::string stem_;  // of the asset at hand
+    bool stopped_ = false;
     ReportData data_;
 };
+
+Status Gatherer::begin(const std::string& step) {
+    stopped_ = stopped_ || !options_.progress(step);
+    if (stopped_) return fail(ErrorCode::unavailable, "interrupted");
+    return Nothing{};
+}
 
 std::string baking_text(const std::vector<proto::Asset>& assets) {
     std::string out = "baking";
@@ -160,7 +168,7 @@ Result<std::vector<proto::Asset>> Gatherer::settled_assets() {
         const bool late =
             waited_s > max_bake_wait_s || (options_.quick && some_ready && waited_s > max_quick_bake_wait_s);
         if (settled >= polls_until_settled || late) return assets;
-        options_.progress(baking_text(*assets));
+        if (Status going_on = begin(baking_text(*assets)); !going_on) return going_on.error();
         std::this_thread::sleep_for(poll_interval);
     }
 }
@@ -383,12 +391,12 @@ Result<AssetResult> Gatherer::measure_asset(const proto::Asset& listed) {
     stem_ = unique_stem(result.asset.name);
     composite_rows_.clear();
 
-    options_.progress(listed.name + ": full model");
+    if (Status going_on = begin(listed.name + ": full model"); !going_on) return going_on.error();
     Result<Reference> reference = measure_full_model(result);
     if (!reference) return reference.error();
 
     for (std::size_t device = 0; device < devices_.size(); ++device) {
-        options_.progress(listed.name + ": " + devices_[device].name);
+        if (Status going_on = begin(listed.name + ": " + devices_[device].name); !going_on) return going_on.error();
         Result<DeviceResult> measured = measure_device(result, device, *reference);
         if (measured)
             result.devices.push_back(*std::move(measured));
@@ -397,14 +405,16 @@ Result<AssetResult> Gatherer::measure_asset(const proto::Asset& listed) {
     }
     const std::size_t levels = std::min(result.asset.levels.size(), max_levels);
     for (std::size_t index = 0; index < levels; index += effort_.level_stride) {
-        options_.progress(listed.name + ": level " + std::to_string(index) + " of " + std::to_string(levels));
+        if (Status going_on = begin(listed.name + ": level " + std::to_string(index) + " of " + std::to_string(levels));
+            !going_on)
+            return going_on.error();
         Result<LadderLevel> level = measure_level(result, index, *reference);
         if (level)
             result.ladder.push_back(*std::move(level));
         else
             problem(listed.name + ", level " + std::to_string(index), level.error());
     }
-    options_.progress(listed.name + ": split");
+    if (Status going_on = begin(listed.name + ": split"); !going_on) return going_on.error();
     if (Status split = measure_split(result, *reference); !split) problem(listed.name + ", split", split.error());
     if (Status saved = save_composite(result); !saved) problem(listed.name, saved.error());
     if (result.devices.empty()) return fail(ErrorCode::unavailable, "no device class could be measured");
@@ -426,6 +436,7 @@ Result<ReportData> Gatherer::run() {
     if (!assets) return assets.error();
     for (const proto::Asset& asset : choose(*std::move(assets))) {
         Result<AssetResult> measured = measure_asset(asset);
+        if (stopped_) return fail(ErrorCode::unavailable, "interrupted");
         if (measured)
             data_.assets.push_back(*std::move(measured));
         else

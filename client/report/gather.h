@@ -24,11 +24,12 @@ inline constexpr std::uint32_t composite_width = 480;  // px, of one panel of an
 struct GatherOptions {
     std::filesystem::path out;  // pictures go to out/pictures
     bool quick = false;
-    std::function<void(const std::string&)> progress;  // what is being done now; never empty
+    std::function<bool(const std::string&)> progress;  // what is being done now; false: stop. Never empty
 };
 
 // Waits for the bakes, then plans, fetches, decodes, draws and compares for every ready asset and device class. What
-// fails is a line in `problems`. Errors: the server cannot be asked, or has nothing that could be measured.
+// fails is a line in `problems`. Errors: the server cannot be asked, has nothing that could be measured, or `progress`
+// said to stop.
 Result<ReportData> gather(sdk::Client& client, render::Renderer& renderer, const GatherOptions& options);
 
 }  // namespace lodestream::report

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
@@ -61,6 +62,33 @@ class ProgressLine {
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+// While it lives, the first SIGINT and the first SIGTERM ask for an orderly end, so that a server of our own and its
+// temporary store do not stay behind; a second one ends the program at once.
+class Interrupts {
+  public:
+    Interrupts() {
+        asked_ = 0;
+        struct sigaction action {};
+        action.sa_handler = [](int) { asked_ = 1; };
+        action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+        sigaction(SIGINT, &action, &old_int_);
+        sigaction(SIGTERM, &action, &old_term_);
+    }
+    ~Interrupts() {
+        sigaction(SIGINT, &old_int_, nullptr);
+        sigaction(SIGTERM, &old_term_, nullptr);
+    }
+    Interrupts(const Interrupts&) = delete;
+    Interrupts& operator=(const Interrupts&) = delete;
+
+    static bool asked() { return asked_ != 0; }
+
+  private:
+    static inline volatile std::sig_atomic_t asked_ = 0;
+    struct sigaction old_int_ {};
+    struct sigaction old_term_ {};
+};
+
 Status write_text(const std::filesystem::path& path, const std::string& text) {
     std::ofstream file(path, std::ios::binary | std::ios::trunc);
     file << text << std::flush;
@@ -85,8 +113,10 @@ Result<ReportData> measure(const ReportOptions& options, const std::string& url)
     if (!client) return client.error();
 
     const ProgressLine progress;
-    Result<ReportData> data =
-        gather(*client, *renderer, {options.out, options.quick, [&](const std::string& what) { progress.show(what); }});
+    Result<ReportData> data = gather(*client, *renderer, {options.out, options.quick, [&](const std::string& step) {
+                                                              progress.show(step);
+                                                              return !Interrupts::asked();
+                                                          }});
     progress.clear();
     if (data) data->provenance = provenance(options, *context);
     return data;
@@ -106,6 +136,7 @@ void print(const ReportData& data, const ReportOptions& options, const std::stri
 
 Status run(const ReportOptions& options) {
     if (Status made = make_folders(options.out); !made) return made;
+    const Interrupts interrupts;
     std::optional<ServerProcess> server;
     if (options.server_url.empty()) {
         Result<ServerProcess> started = ServerProcess::start(server_beside_this_program(), options.assets);

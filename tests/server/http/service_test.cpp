@@ -22,19 +22,19 @@ constexpr const char* plan_body = R"({"asset":"teapot","device":{"cpu_mhz":300},
 class ReadyService : public ::testing::Test {
   protected:
     static void SetUpTestSuite() {
-        shared_ = std::make_unique<Harness>();
-        shared_->bake("teapot");
+        shared = std::make_unique<Harness>();
+        shared->bake("teapot");
     }
-    static void TearDownTestSuite() { shared_.reset(); }
-    Harness& harness() { return *shared_; }
+    static void TearDownTestSuite() { shared.reset(); }
+    Harness& harness() { return *shared; }
     Response get(const std::string& path, std::map<std::string, std::string> headers = {}) {
-        return shared_->get(path, std::move(headers));
+        return shared->get(path, std::move(headers));
     }
-    Response plan(const std::string& body) { return shared_->call("POST", "/v1/plans", body); }
+    Response plan(const std::string& body) { return shared->call("POST", "/v1/plans", body); }
     std::string content_url() { return json_of(plan(plan_body))["content"]["url"]; }
 
   private:
-    static inline std::unique_ptr<Harness> shared_;
+    static inline std::unique_ptr<Harness> shared;
 };
 
 TEST_F(ReadyService, TellsItsHealth) {

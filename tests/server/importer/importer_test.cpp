@@ -47,55 +47,55 @@ TEST(Importer, SniffsContent) {
 class SideFilesTest : public ::testing::Test {
   protected:
     void SetUp() override {
-        fs::create_directories(folder_ / "model" / "textures");
-        write(folder_ / "secret.txt", "secret");
-        write(folder_ / "model" / "textures" / "a b.png", "image");
-        write(folder_ / "model-two.txt", "neighbour");
-        fs::create_symlink(folder_ / "secret.txt", folder_ / "model" / "link.txt");
+        fs::create_directories(folder / "model" / "textures");
+        write(folder / "secret.txt", "secret");
+        write(folder / "model" / "textures" / "a b.png", "image");
+        write(folder / "model-two.txt", "neighbour");
+        fs::create_symlink(folder / "secret.txt", folder / "model" / "link.txt");
     }
-    void TearDown() override { fs::remove_all(folder_); }
+    void TearDown() override { fs::remove_all(folder); }
     static void write(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
 
-    const fs::path folder_ = fs::temp_directory_path() / ("lodestream_side_files_" + std::to_string(::getpid()));
-    const SideFiles read_ = read_files_below(folder_ / "model", 1000);
+    const fs::path folder = fs::temp_directory_path() / ("lodestream_side_files_" + std::to_string(::getpid()));
+    const SideFiles read_side_file = read_files_below(folder / "model", 1000);
 };
 
 TEST_F(SideFilesTest, ReadsFilesBelowTheModel) {
-    EXPECT_EQ(read_("textures/a b.png").value(), bytes_of("image"));
-    EXPECT_EQ(read_("./textures/../textures/a b.png").value(), bytes_of("image"));
+    EXPECT_EQ(read_side_file("textures/a b.png").value(), bytes_of("image"));
+    EXPECT_EQ(read_side_file("./textures/../textures/a b.png").value(), bytes_of("image"));
 }
 
 TEST_F(SideFilesTest, RefusesToLeaveTheModelsFolder) {
     for (const std::string& name : std::vector<std::string>{
              "../secret.txt", "textures/../../secret.txt", "../model-two.txt", "/etc/passwd", "http://x/y.png",
              "file:///etc/passwd", "data:text/plain;base64,AA", "link.txt", "", ".", "..", "textures"}) {
-        const auto bytes = read_(name);
+        const auto bytes = read_side_file(name);
         ASSERT_FALSE(bytes.ok()) << name;
         EXPECT_EQ(bytes.error().code, ErrorCode::invalid_input) << name << ": " << bytes.error().message;
     }
-    EXPECT_EQ(read_(std::string("textures/a b.png\0x", 18)).error().code, ErrorCode::invalid_input);
+    EXPECT_EQ(read_side_file(std::string("textures/a b.png\0x", 18)).error().code, ErrorCode::invalid_input);
 }
 
 TEST_F(SideFilesTest, NamesWhatIsMissingOrTooLarge) {
-    EXPECT_EQ(read_("nothing.bin").error().code, ErrorCode::not_found);
-    EXPECT_THAT(read_("nothing.bin").error().message, HasSubstr("nothing.bin"));
-    EXPECT_EQ(read_files_below(folder_ / "model", 3)("textures/a b.png").error().code, ErrorCode::limit_exceeded);
+    EXPECT_EQ(read_side_file("nothing.bin").error().code, ErrorCode::not_found);
+    EXPECT_THAT(read_side_file("nothing.bin").error().message, HasSubstr("nothing.bin"));
+    EXPECT_EQ(read_files_below(folder / "model", 3)("textures/a b.png").error().code, ErrorCode::limit_exceeded);
     EXPECT_EQ(no_side_files()("a.bin").error().code, ErrorCode::not_found);
 }
 
 TEST_F(SideFilesTest, ImportFileFindsItsSideFilesAndNamesItselfInErrors) {
-    write(folder_ / "model" / "m.mtl", "newmtl a\nKd 1 0 0\n");
-    write(folder_ / "model" / "m.obj", "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    const auto model = import_file(folder_ / "model" / "m.obj");
+    write(folder / "model" / "m.mtl", "newmtl a\nKd 1 0 0\n");
+    write(folder / "model" / "m.obj", "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const auto model = import_file(folder / "model" / "m.obj");
     ASSERT_TRUE(model.ok()) << model.error().message;
     EXPECT_EQ(model->materials[0].name, "a");
-    write(folder_ / "model" / "bad.ply", "nonsense");
-    EXPECT_THAT(import_file(folder_ / "model" / "bad.ply").error().message, ::testing::StartsWith("bad.ply: "));
-    EXPECT_EQ(import_file(folder_ / "model" / "none.ply").error().code, ErrorCode::not_found);
-    EXPECT_FALSE(import_file(folder_ / "model").ok());
+    write(folder / "model" / "bad.ply", "nonsense");
+    EXPECT_THAT(import_file(folder / "model" / "bad.ply").error().message, ::testing::StartsWith("bad.ply: "));
+    EXPECT_EQ(import_file(folder / "model" / "none.ply").error().code, ErrorCode::not_found);
+    EXPECT_FALSE(import_file(folder / "model").ok());
     Limits small;
     small.file_bytes = 10;
-    EXPECT_EQ(import_file(folder_ / "model" / "m.obj", small).error().code, ErrorCode::limit_exceeded);
+    EXPECT_EQ(import_file(folder / "model" / "m.obj", small).error().code, ErrorCode::limit_exceeded);
 }
 
 TEST(Importer, HoldsItsLimits) {

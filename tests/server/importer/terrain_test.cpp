@@ -10,7 +10,6 @@
 namespace lodestream::importer {
 namespace {
 
-using testing::bytes_of;
 using ::testing::HasSubstr;
 using testing::import_text;
 
