@@ -67,9 +67,9 @@ class ProgressLine {
 class Interrupts {
   public:
     Interrupts() {
-        asked_ = 0;
+        was_asked = 0;
         struct sigaction action {};
-        action.sa_handler = [](int) { asked_ = 1; };
+        action.sa_handler = [](int) { was_asked = 1; };
         action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
         sigaction(SIGINT, &action, &old_int_);
         sigaction(SIGTERM, &action, &old_term_);
@@ -81,10 +81,10 @@ class Interrupts {
     Interrupts(const Interrupts&) = delete;
     Interrupts& operator=(const Interrupts&) = delete;
 
-    static bool asked() { return asked_ != 0; }
+    static bool asked() { return was_asked != 0; }
 
   private:
-    static inline volatile std::sig_atomic_t asked_ = 0;
+    static inline volatile std::sig_atomic_t was_asked = 0;
     struct sigaction old_int_ {};
     struct sigaction old_term_ {};
 };
