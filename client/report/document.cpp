@@ -39,7 +39,7 @@ th{white-space:normal;vertical-align:bottom;background:var(--card)}th.n,td.n{tex
 tbody tr:hover{background:var(--card)}
 th:first-child,td:first-child{position:sticky;left:0;background:var(--page);max-width:9rem;overflow:hidden;text-overflow:ellipsis}
 th:first-child{background:var(--card)}
-#overview table{font-size:.75rem}#overview :is(th,td){padding:.3rem .38rem}
+#overview table{font-size:.72rem}#overview :is(th,td){padding:.3rem .28rem}
 details{margin:1rem 0}details>summary{cursor:pointer;color:var(--accent)}
 .pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,30rem),1fr));gap:1.25rem}
 .panels{display:grid;grid-template-columns:repeat(3,1fr);gap:4px;margin-top:.25rem}

@@ -69,6 +69,14 @@ Plot split_plot(const ReportData& data, std::string title, std::string label, Y 
     return plot;
 }
 
+// Bytes of a step against the same level all Gouraud, which was measured with the device classes.
+double percent_of_all_gouraud(const AssetResult& asset, const SplitStep& step) {
+    const auto device = std::find_if(asset.devices.begin(), asset.devices.end(),
+                                     [&](const DeviceResult& d) { return d.device == asset.split_device; });
+    if (device == asset.devices.end()) return not_known;
+    return share_percent(static_cast<double>(step.result.bytes), static_cast<double>(gouraud_of(*device).bytes));
+}
+
 }  // namespace
 
 Section shading_section(const ReportData& data) {
@@ -89,11 +97,8 @@ Section shading_section(const ReportData& data) {
         section.plots.push_back(
             split_plot(data, "Error of the picture over the split", "error of the picture, %",
                        [](const auto&, const SplitStep& step) { return step.result.image.percent; }));
-        section.plots.push_back(split_plot(
-            data, "Bytes over the split", "bytes, % of all Gouraud", [](const auto& asset, const SplitStep& step) {
-                return share_percent(static_cast<double>(step.result.bytes),
-                                     static_cast<double>(asset.split.front().result.bytes));
-            }));
+        section.plots.push_back(
+            split_plot(data, "Bytes over the split", "bytes, % of all Gouraud", percent_of_all_gouraud));
         section.plots.push_back(split_plot(data, "Frame time over the split", "frame, ms",
                                            [](const auto&, const SplitStep& step) { return step.result.frame_ms; }));
     }
