@@ -59,7 +59,7 @@ auto timed(const Effort& effort, double& ms, Call call) {
 }
 
 std::string png_text(const render::Image& image) {
-    Result<std::vector<std::byte>> png = render::encode_png(image);
+    Result<std::vector<std::byte>> png = image::encode_png(image);
     return png ? std::string(reinterpret_cast<const char*>(png->data()), png->size()) : std::string();
 }
 

@@ -1,8 +1,9 @@
 #include "common/codec/draco_mesh.h"
 
-// clang-format off: the second declares nothing without the first
-#include <draco/compression/attributes/prediction_schemes/mesh_prediction_scheme_tex_coords_decoder.h>
+// The second declares nothing without the first.
+// clang-format off
 #include <draco/draco_features.h>
+#include <draco/compression/attributes/prediction_schemes/mesh_prediction_scheme_tex_coords_decoder.h>
 // clang-format on
 #include <draco/compression/attributes/prediction_schemes/mesh_prediction_scheme_tex_coords_portable_decoder.h>
 #include <draco/compression/attributes/prediction_schemes/prediction_scheme_wrap_decoding_transform.h>
