@@ -67,9 +67,8 @@ Result<Sizes> smaller_sizes(const mesh::Image& source, const ImageUse& use) {
     }
 }
 
-Result<Ladder> make_ladder(const mesh::Model& model) {
+Result<Ladder> make_ladder(const mesh::Model& model, const std::vector<ImageUse>& uses) {
     Result<Ladder> ladder(Ladder(model.images.size()));
-    const std::vector<ImageUse> uses = image_uses(model);
     for (std::size_t i = 0; i < uses.size(); ++i) {
         if (!uses[i].is_used) continue;
         Result<Sizes> sizes = smaller_sizes(model.images[i], uses[i]);

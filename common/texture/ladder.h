@@ -31,6 +31,9 @@ using Ladder = std::vector<Sizes>;  // one for each of a model's images; empty: 
 Result<Sizes> smaller_sizes(const mesh::Image& image, const ImageUse& use);
 
 // Of every used image. One that cannot be decoded has no sizes, and a line in the result's warnings.
-Result<Ladder> make_ladder(const mesh::Model& model);
+Result<Ladder> make_ladder(const mesh::Model& model, const std::vector<ImageUse>& uses);
+inline Result<Ladder> make_ladder(const mesh::Model& model) {
+    return make_ladder(model, image_uses(model));
+}
 
 }  // namespace lodestream::texture
