@@ -1,0 +1,60 @@
+#include "tests/bench/inputs.h"
+
+#include <filesystem>
+
+#include "common/mesh/operations.h"
+#include "server/importer/importer.h"
+#include "server/samples/samples.h"
+#include "tests/bench/subdivide.h"
+
+namespace lodestream::bench {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double smooth_degrees = 180.0;
+constexpr const char* made_spec = "made:1.4M";
+constexpr const char* made_base = "classic/armadillo_86k.obj";
+constexpr const char* sample_prefix = "sample:";
+constexpr double made_roughness = 0.02;  // heights of a fiftieth of their wavelength
+
+Input prepared(const std::string& name, const mesh::Mesh& mesh) {
+    Input input{name, {}, {}};
+    input.mesh = mesh::with_normals(make_manifold(mesh, input.repairs), smooth_degrees);
+    return input;
+}
+
+Result<Input> load_file(const fs::path& file) {
+    const Result<mesh::Model> model = importer::import_file(file);
+    if (!model) return model.error();
+    return prepared(file.stem().string(), model->mesh);
+}
+
+Result<Input> make_detailed(const std::string& folder) {
+    const Result<Input> base = load_file(fs::path(folder) / made_base);
+    if (!base) return base.error();
+    return prepared(made_spec, detailed(base->mesh, 2, made_roughness, 1));
+}
+
+}  // namespace
+
+Result<Input> load_input(const std::string& spec, const std::string& folder) {
+    if (spec == made_spec) return make_detailed(folder);
+    if (!spec.starts_with(sample_prefix)) return load_file(spec);
+    const Result<mesh::Model> model = samples::make_sample(spec.substr(std::string(sample_prefix).size()));
+    if (!model) return model.error();
+    return prepared(spec, model->mesh);
+}
+
+std::vector<std::string> default_inputs(const std::string& folder) {
+    std::vector<std::string> specs;
+    for (const char* name :
+         {"classic/bunny_69k.ply", "classic/armadillo_86k.obj", "classic/nefertiti_100k.obj", "classic/lucy_100k.ply",
+          "classic/buddha_100k.obj", "scan/turbineblade_199k.ply", "terrain/stubai_10m.ply", "classic/dragon_871k.ply"})
+        if (const fs::path file = fs::path(folder) / name; fs::exists(file)) specs.push_back(file.string());
+    if (fs::exists(fs::path(folder) / made_base)) specs.emplace_back(made_spec);
+    return specs;
+}
+
+}  // namespace lodestream::bench

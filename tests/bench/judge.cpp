@@ -1,0 +1,60 @@
+#include "tests/bench/judge.h"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace lodestream::bench {
+
+std::vector<shading::View> views_around(const Box& bounds) {
+    std::vector<shading::View> views;
+    for (int corner = 0; corner < 8; ++corner) {
+        const Vec3d direction =
+            normalize(Vec3d{corner & 1 ? 1.0 : -0.8, corner & 2 ? 0.7 : -0.6, corner & 4 ? 1.1 : -0.9});
+        shading::View view;
+        view.target = bounds.center();
+        view.eye = view.target + direction * (bounds.radius() / std::sin(radians(view.fov_y_deg) / 2));
+        view.light = direction + 0.6 * normalize(cross(direction, Vec3d{0, 1, 0})) + Vec3d{0, 0.4, 0};
+        views.push_back(view);
+    }
+    return views;
+}
+
+Result<Painter> Painter::create() {
+    Result<render::GlContext> context = render::create_headless_context();
+    if (!context) return context.error();
+    Result<render::Renderer> renderer = render::Renderer::create();
+    if (!renderer) return renderer.error();
+    return Painter(std::move(*context), std::move(*renderer));
+}
+
+std::vector<render::Image> Painter::draw(const mesh::Model& model, const mesh::Mesh& level,
+                                         const std::vector<shading::View>& views) {
+    const auto uploaded = renderer_.upload(render::drawable(model, level));
+    if (!uploaded) throw std::runtime_error(uploaded.error().message);
+    render::DrawOptions options;
+    options.width = options.height = picture_side;
+    options.samples = 1;
+    std::vector<render::Image> pictures;
+    for (const shading::View& view : views) {
+        Result<render::Frame> frame = renderer_.draw(view, options);
+        if (!frame) throw std::runtime_error(frame.error().message);
+        pictures.push_back(std::move(frame->image));
+    }
+    return pictures;
+}
+
+ImageError image_error(const std::vector<render::Image>& full, const std::vector<render::Image>& level) {
+    double squares = 0, pixels = 0, silhouette = 0;
+    for (std::size_t i = 0; i < full.size(); ++i) {
+        const Result<render::Difference> difference = render::compare(full[i], level[i]);
+        if (!difference) throw std::runtime_error(difference.error().message);
+        const double covered = static_cast<double>(difference->compared_pixels);
+        squares += difference->rms * difference->rms * covered;
+        pixels += covered;
+        silhouette += static_cast<double>(difference->silhouette_pixels);
+    }
+    if (!(pixels > 0)) return {};
+    return {std::sqrt(squares / pixels), 100 * silhouette / pixels};
+}
+
+}  // namespace lodestream::bench

@@ -1,0 +1,33 @@
+// The comparison as text, and the targets of issue 3 against it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/bench/comparison.h"
+
+namespace lodestream::bench {
+
+// One row a method and model.
+std::string comparison_table(const std::vector<ModelResult>& models);
+
+struct Target {
+    std::string what;
+    double bound = 0.0;
+    bool at_least = false;  // the value must not be below the bound; else not above it
+};
+
+struct Verdict {
+    Target target;
+    std::vector<std::string> models;  // those where it could be measured
+    std::vector<double> values;
+
+    bool holds(std::size_t model) const;
+    bool holds() const;
+};
+
+// Those targets whose values were measured at least once.
+std::vector<Verdict> verdicts(const std::vector<ModelResult>& models);
+std::string verdict_table(const std::vector<Verdict>& verdicts);
+
+}  // namespace lodestream::bench
