@@ -65,11 +65,10 @@ json to_json(const ModelResult& model) {
 json to_json(const Verdict& verdict) {
     json values = json::object();
     for (std::size_t k = 0; k < verdict.values.size(); ++k) values[verdict.models[k]] = verdict.values[k];
-    return {{"what", verdict.target.what},
-            {"bound", verdict.target.bound},
-            {"at_least", verdict.target.at_least},
-            {"values", values},
-            {"holds", verdict.holds()}};
+    json j{{"what", verdict.target.what}, {"at_least", verdict.target.at_least}, {"values", values}};
+    if (verdict.target.bound) j["bound"] = *verdict.target.bound;
+    if (verdict.target.bound) j["holds"] = verdict.holds();
+    return j;
 }
 
 void write_json(const std::string& file, const std::vector<ModelResult>& models, const std::vector<Verdict>& all) {

@@ -1,6 +1,7 @@
 #include "tests/bench/inputs.h"
 
 #include <filesystem>
+#include <map>
 
 #include "common/mesh/operations.h"
 #include "server/importer/importer.h"
@@ -14,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double smooth_degrees = 180.0;
-constexpr const char* made_spec = "made:1.4M";
+constexpr const char* large_spec = "made:1.4M";
 constexpr const char* made_base = "classic/armadillo_86k.obj";
 constexpr const char* sample_prefix = "sample:";
 constexpr double made_roughness = 0.02;  // heights of a fiftieth of their wavelength
@@ -31,16 +32,22 @@ Result<Input> load_file(const fs::path& file) {
     return prepared(file.stem().string(), model->mesh);
 }
 
-Result<Input> make_detailed(const std::string& folder) {
+// How often the base is subdivided for each made model.
+const std::map<std::string, int>& made_steps() {
+    static const std::map<std::string, int> steps{{"made:86k", 0}, {"made:346k", 1}, {large_spec, 2}, {"made:5.5M", 3}};
+    return steps;
+}
+
+Result<Input> make_detailed(const std::string& spec, const std::string& folder) {
     const Result<Input> base = load_file(fs::path(folder) / made_base);
     if (!base) return base.error();
-    return prepared(made_spec, detailed(base->mesh, 2, made_roughness, 1));
+    return prepared(spec, detailed(base->mesh, made_steps().at(spec), made_roughness, 1));
 }
 
 }  // namespace
 
 Result<Input> load_input(const std::string& spec, const std::string& folder) {
-    if (spec == made_spec) return make_detailed(folder);
+    if (made_steps().contains(spec)) return make_detailed(spec, folder);
     if (!spec.starts_with(sample_prefix)) return load_file(spec);
     const Result<mesh::Model> model = samples::make_sample(spec.substr(std::string(sample_prefix).size()));
     if (!model) return model.error();
@@ -53,7 +60,7 @@ std::vector<std::string> default_inputs(const std::string& folder) {
          {"classic/bunny_69k.ply", "classic/armadillo_86k.obj", "classic/nefertiti_100k.obj", "classic/lucy_100k.ply",
           "classic/buddha_100k.obj", "scan/turbineblade_199k.ply", "terrain/stubai_10m.ply", "classic/dragon_871k.ply"})
         if (const fs::path file = fs::path(folder) / name; fs::exists(file)) specs.push_back(file.string());
-    if (fs::exists(fs::path(folder) / made_base)) specs.emplace_back(made_spec);
+    if (fs::exists(fs::path(folder) / made_base)) specs.emplace_back(large_spec);
     return specs;
 }
 

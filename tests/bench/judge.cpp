@@ -1,18 +1,24 @@
 #include "tests/bench/judge.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include "common/mesh/operations.h"
+
 namespace lodestream::bench {
 
-std::vector<shading::View> views_around(const Box& bounds) {
+std::vector<shading::View> views_around(const mesh::Mesh& mesh) {
+    const Vec3d center = mesh::bounds(mesh).center();
+    double radius = 0;
+    for (const Vec3f& p : mesh.positions) radius = std::max(radius, length(Vec3d(p) - center));
     std::vector<shading::View> views;
     for (int corner = 0; corner < 8; ++corner) {
         const Vec3d direction =
             normalize(Vec3d{corner & 1 ? 1.0 : -0.8, corner & 2 ? 0.7 : -0.6, corner & 4 ? 1.1 : -0.9});
         shading::View view;
-        view.target = bounds.center();
-        view.eye = view.target + direction * (bounds.radius() / std::sin(radians(view.fov_y_deg) / 2));
+        view.target = center;
+        view.eye = view.target + direction * (radius / std::sin(radians(view.fov_y_deg) / 2));
         view.light = direction + 0.6 * normalize(cross(direction, Vec3d{0, 1, 0})) + Vec3d{0, 0.4, 0};
         views.push_back(view);
     }

@@ -16,8 +16,9 @@ namespace lodestream::bench {
 
 inline constexpr std::uint32_t picture_side = 800;  // px
 
-// From the eight corners of a cube around the model, slightly turned, lit from over the viewer's shoulder.
-std::vector<shading::View> views_around(const Box& bounds);
+// From the eight corners of a box around the model, lit from over the viewer's shoulder; the model's sphere fills the
+// picture.
+std::vector<shading::View> views_around(const mesh::Mesh& mesh);
 
 struct ImageError {
     double rms = 0.0;                 // 8-bit steps over R, G and B, over all views' covered pixels

@@ -1,6 +1,7 @@
 // The comparison as text, and the targets of issue 3 against it.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,8 @@ std::string comparison_table(const std::vector<ModelResult>& models);
 
 struct Target {
     std::string what;
-    double bound = 0.0;
-    bool at_least = false;  // the value must not be below the bound; else not above it
+    std::optional<double> bound;  // absent: for information
+    bool at_least = false;        // the value must not be below the bound; else not above it
 };
 
 struct Verdict {
@@ -22,8 +23,8 @@ struct Verdict {
     std::vector<std::string> models;  // those where it could be measured
     std::vector<double> values;
 
-    bool holds(std::size_t model) const;
-    bool holds() const;
+    bool holds(std::size_t model) const;  // pre: the target has a bound
+    bool holds() const;                   // on all models; likewise
 };
 
 // Those targets whose values were measured at least once.
