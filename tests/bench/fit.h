@@ -19,7 +19,7 @@ struct Line {
 // Least squares. pre: two different x at least
 Line fit_line(const std::vector<Sample>& samples);
 
-// Sorted order statistics by nearest rank; `share` in [0, 1]. pre: not empty
+// The value that a share of all does not exceed, by nearest rank; 0: the least. pre: not empty
 double percentile(std::vector<double> values, double share);
 
 }  // namespace lodestream::bench
