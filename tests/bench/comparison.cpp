@@ -13,7 +13,7 @@ namespace lodestream::bench {
 namespace {
 
 constexpr double smooth_degrees = 180.0;
-const Vec4f surface_color{0.5f, 0.5f, 0.5f, 1.0f};  // never lit as bright as the white background
+const Vec4f surface_color{0.5f, 0.5f, 0.5f, 1.0f};
 
 std::vector<std::uint64_t> counts_of(const mesh::Mesh& mesh) {
     std::vector<std::uint64_t> counts;
@@ -71,36 +71,12 @@ MethodResult timed(const std::string& method, const std::vector<Run>& runs, cons
     return result;
 }
 
-// The full model's pictures, and the pictures of what is compared with it.
-class Gallery {
-  public:
-    Gallery(Painter& painter, const mesh::Mesh& full)
-        : painter_(painter), views_(views_around(full)), full_(draw(full)) {}
-
-    // Keeps the level's first view for write().
-    ImageError show(const mesh::Mesh& level) {
-        const std::vector<render::Image> pictures = draw(level);
-        shown_.push_back(pictures.front());
-        return image_error(full_, pictures);
-    }
-    void write(const std::filesystem::path& file) {
-        shown_.insert(shown_.begin(), full_.front());
-        if (const Status written = render::write_png(file, render::side_by_side(shown_)); !written)
-            throw std::runtime_error(written.error().message);
-    }
-    void clear() { shown_.clear(); }
-
-  private:
-    std::vector<render::Image> draw(const mesh::Mesh& mesh) {
-        mesh::Model model;
-        model.materials.emplace_back().base_color = surface_color;
-        return painter_.draw(model, mesh, views_);
-    }
-
-    Painter& painter_;
-    std::vector<shading::View> views_;
-    std::vector<render::Image> full_, shown_;
-};
+mesh::Model plain_model(const mesh::Mesh& mesh) {
+    mesh::Model model;
+    model.mesh = mesh;
+    model.materials.emplace_back().base_color = surface_color;
+    return model;
+}
 
 mesh::Mesh with_recomputed_normals(const mesh::Mesh& level) {
     mesh::Mesh bare;
@@ -118,19 +94,18 @@ void measure_errors(const mesh::Mesh& full, const std::vector<std::vector<Run>>&
 
 void measure_pictures(const mesh::Mesh& full, const std::vector<std::vector<Run>>& runs,
                       const ComparisonOptions& options, ModelResult& result) {
-    Gallery gallery(*options.painter, full);
+    const mesh::Model model = plain_model(full);
+    Gallery gallery(*options.painter, model);
     for (std::size_t k = 0; k < level_percents.size(); ++k) {
-        gallery.clear();
         for (std::size_t m = 0; m < runs.size(); ++m) {
             const mesh::Mesh& level = runs[m].front().levels[k].mesh;
             LevelResult& row = result.methods[m].levels[k];
             row.image = gallery.show(with_recomputed_normals(level));
             if (!level.normals.empty()) row.own_normals_image = gallery.show(level);
         }
-        if (!options.picture_folder.empty()) {
-            const std::string name = result.name + "_" + std::to_string(std::lround(level_percents[k])) + ".png";
-            gallery.write(options.picture_folder / name);
-        }
+        if (options.picture_folder.empty()) continue;
+        gallery.write(options.picture_folder /
+                      (result.name + "_" + std::to_string(std::lround(level_percents[k])) + ".png"));
     }
 }
 

@@ -30,6 +30,17 @@ std::vector<Edge> sorted_directed_edges(const std::vector<mesh::Triangle>& trian
     return edges;
 }
 
+std::vector<Edge> sorted_undirected_edges(const std::vector<mesh::Triangle>& triangles) {
+    std::vector<Edge> edges;
+    edges.reserve(3 * triangles.size());
+    for (std::uint32_t c = 0; c < 3 * triangles.size(); ++c) {
+        const std::uint32_t from = vertex_of(triangles, c), to = vertex_of(triangles, next_corner(c));
+        edges.push_back({key_of(std::min(from, to), std::max(from, to)), c});
+    }
+    std::sort(edges.begin(), edges.end());
+    return edges;
+}
+
 mesh::Mesh welded(const mesh::Mesh& mesh) {
     mesh::Mesh bare;
     bare.positions = mesh.positions;
@@ -100,13 +111,7 @@ std::uint64_t split_fans(mesh::Mesh& mesh) {
 }  // namespace
 
 std::vector<std::uint32_t> opposite_corners(const std::vector<mesh::Triangle>& triangles) {
-    std::vector<Edge> edges;
-    edges.reserve(3 * triangles.size());
-    for (std::uint32_t c = 0; c < 3 * triangles.size(); ++c) {
-        const std::uint32_t from = vertex_of(triangles, c), to = vertex_of(triangles, next_corner(c));
-        edges.push_back({key_of(std::min(from, to), std::max(from, to)), c});
-    }
-    std::sort(edges.begin(), edges.end());
+    const std::vector<Edge> edges = sorted_undirected_edges(triangles);
     std::vector<std::uint32_t> opposite(edges.size(), none);
     for (std::size_t i = 1; i < edges.size(); ++i) {
         if (edges[i].key != edges[i - 1].key) continue;
@@ -124,20 +129,18 @@ mesh::Mesh make_manifold(const mesh::Mesh& mesh, Repairs& repairs) {
     return result;
 }
 
-std::uint64_t open_edges(const mesh::Mesh& mesh) {
+std::vector<std::array<std::uint32_t, 2>> open_edges(const mesh::Mesh& mesh) {
     const std::vector<std::uint32_t> position = mesh::weld_positions(mesh.positions);
-    std::vector<std::uint64_t> keys;
-    keys.reserve(3 * mesh.triangles.size());
-    for (const mesh::Triangle& t : mesh.triangles)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t a = position[t[k]], b = position[t[(k + 1) % 3]];
-            keys.push_back(key_of(std::min(a, b), std::max(a, b)));
-        }
-    std::sort(keys.begin(), keys.end());
-    std::uint64_t open = 0;
-    for (std::size_t i = 0, end = 0; i < keys.size(); i = end) {
-        while (end < keys.size() && keys[end] == keys[i]) ++end;
-        open += (end - i) % 2;
+    std::vector<mesh::Triangle> welded_triangles = mesh.triangles;
+    for (mesh::Triangle& t : welded_triangles)
+        for (std::uint32_t& vertex : t) vertex = position[vertex];
+    const std::vector<Edge> edges = sorted_undirected_edges(welded_triangles);
+    std::vector<std::array<std::uint32_t, 2>> open;
+    for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
+        while (end < edges.size() && edges[end].key == edges[i].key) ++end;
+        const std::uint32_t corner = edges[i].corner;
+        if (end == i + 1)
+            open.push_back({vertex_of(mesh.triangles, corner), vertex_of(mesh.triangles, next_corner(corner))});
     }
     return open;
 }

@@ -2,6 +2,7 @@
 // vertex to that of next_corner(c).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -31,7 +32,7 @@ struct Repairs {
 // What every method here accepts: positions and triangles alone, equal positions welded, then oriented and manifold.
 mesh::Mesh make_manifold(const mesh::Mesh& mesh, Repairs& repairs);
 
-// Edges between positions that an odd number of triangles has: where a surface is open, or torn.
-std::uint64_t open_edges(const mesh::Mesh& mesh);
+// Edges between positions that one triangle alone has: where a surface is open, or torn. As pairs of vertices.
+std::vector<std::array<std::uint32_t, 2>> open_edges(const mesh::Mesh& mesh);
 
 }  // namespace lodestream::bench

@@ -20,9 +20,23 @@ constexpr const char* made_base = "classic/armadillo_86k.obj";
 constexpr const char* sample_prefix = "sample:";
 constexpr double made_roughness = 0.07;  // the folds between neighbours are then as sharp as in the full dragon scan
 
+// One normal a position, so that vertices that were split stay so: with_normals() would join them again.
+std::vector<Vec3f> smooth_normals(const mesh::Mesh& mesh) {
+    const mesh::Mesh smooth = mesh::with_normals(mesh, smooth_degrees);
+    std::vector<Vec3f> positions = mesh.positions;
+    positions.insert(positions.end(), smooth.positions.begin(), smooth.positions.end());
+    const std::vector<std::uint32_t> first = mesh::weld_positions(positions);
+    std::vector<Vec3f> normals(mesh.positions.size());
+    for (std::size_t k = 0; k < smooth.positions.size(); ++k)
+        normals[first[mesh.positions.size() + k]] = smooth.normals[k];
+    for (std::size_t v = 0; v < normals.size(); ++v) normals[v] = normals[first[v]];
+    return normals;
+}
+
 Input prepared(const std::string& name, const mesh::Mesh& mesh) {
     Input input{name, {}, {}};
-    input.mesh = mesh::with_normals(make_manifold(mesh, input.repairs), smooth_degrees);
+    input.mesh = make_manifold(mesh, input.repairs);
+    input.mesh.normals = smooth_normals(input.mesh);
     return input;
 }
 

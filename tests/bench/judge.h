@@ -16,9 +16,9 @@ namespace lodestream::bench {
 
 inline constexpr std::uint32_t picture_side = 800;  // px
 
-// From the eight corners of a box around the model, lit from over the viewer's shoulder; the model's sphere fills the
-// picture.
-std::vector<shading::View> views_around(const mesh::Mesh& mesh);
+// From the eight corners of a box around the model in world coordinates, lit from over the viewer's shoulder; the
+// model's sphere fills the picture.
+std::vector<shading::View> views_around(const mesh::Model& model);
 
 struct ImageError {
     double rms = 0.0;                 // 8-bit steps over R, G and B, over all views' covered pixels
@@ -43,7 +43,20 @@ class Painter {
     render::Renderer renderer_;  // goes before the context
 };
 
-// pre: as many pictures, of the same sizes
-ImageError image_error(const std::vector<render::Image>& full, const std::vector<render::Image>& level);
+// The full model's pictures beside those of its levels. Throws like Painter, and where a file cannot be written.
+class Gallery {
+  public:
+    Gallery(Painter& painter, const mesh::Model& model);  // both must outlive it
+
+    ImageError show(const mesh::Mesh& level);
+    // The first view of the full model and of all levels shown since the last time, side by side.
+    void write(const std::filesystem::path& file);
+
+  private:
+    Painter& painter_;
+    const mesh::Model& model_;
+    std::vector<shading::View> views_;
+    std::vector<render::Image> full_, shown_;
+};
 
 }  // namespace lodestream::bench

@@ -34,6 +34,10 @@ Run run_cgal(const mesh::Mesh& mesh, const std::vector<std::uint64_t>& counts);
 // quadrics gathered so far.
 Run run_openmesh(const mesh::Mesh& mesh, const std::vector<std::uint64_t>& counts);
 
+// One meshopt_simplify call on all vertices with their attributes, so that it sees and keeps the seams as it would on a
+// textured model; materials follow. The result has the count that it could reach.
+mesh::Mesh simplify_with_seams(const mesh::Mesh& mesh, std::uint64_t triangles);
+
 struct Method {
     std::string name;
     Run (*run)(const mesh::Mesh&, const std::vector<std::uint64_t>&);

@@ -4,6 +4,8 @@
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/LindstromTurk_placement.h>
 #include <CGAL/Surface_mesh_simplification/edge_collapse.h>
 
+#include <stdexcept>
+
 #include "tests/bench/methods.h"
 
 namespace lodestream::bench {
@@ -20,7 +22,9 @@ Surface to_cgal(const mesh::Mesh& mesh) {
                     static_cast<unsigned>(mesh.triangles.size()));
     for (const Vec3f& p : mesh.positions) surface.add_vertex(Kernel::Point_3(p.x, p.y, p.z));
     using Vertex = Surface::Vertex_index;
-    for (const mesh::Triangle& t : mesh.triangles) surface.add_face(Vertex(t[0]), Vertex(t[1]), Vertex(t[2]));
+    for (const mesh::Triangle& t : mesh.triangles)
+        if (surface.add_face(Vertex(t[0]), Vertex(t[1]), Vertex(t[2])) == Surface::null_face())
+            throw std::runtime_error("CGAL refuses a triangle");
     return surface;
 }
 

@@ -2,6 +2,8 @@
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 
+#include <stdexcept>
+
 #include "tests/bench/methods.h"
 
 namespace lodestream::bench {
@@ -18,8 +20,11 @@ Surface to_openmesh(const mesh::Mesh& mesh) {
     for (const Vec3f& p : mesh.positions) surface.add_vertex(Surface::Point(p.x, p.y, p.z));
     using Vertex = OpenMesh::VertexHandle;
     for (const mesh::Triangle& t : mesh.triangles)
-        surface.add_face(Vertex(static_cast<int>(t[0])), Vertex(static_cast<int>(t[1])),
-                         Vertex(static_cast<int>(t[2])));
+        if (!surface
+                 .add_face(Vertex(static_cast<int>(t[0])), Vertex(static_cast<int>(t[1])),
+                           Vertex(static_cast<int>(t[2])))
+                 .is_valid())
+            throw std::runtime_error("OpenMesh refuses a triangle");
     return surface;
 }
 
