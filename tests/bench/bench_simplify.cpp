@@ -131,10 +131,10 @@ void run(const Arguments& arguments) {
                   << input->repairs.dropped_triangles << " triangles and splitting " << input->repairs.split_vertices
                   << " vertices" << std::endl;
         models.push_back(compare_methods(*input, options));
-        std::cout << comparison_table({models.back()}) << std::endl;
+        std::cout << comparison_table(models.back()) << std::endl;
     }
     const std::vector<Verdict> all = verdicts(models);
-    std::cout << comparison_table(models) << '\n' << verdict_table(all);
+    std::cout << verdict_table(all);
     if (!arguments.json_file.empty()) write_json(arguments.json_file, models, all);
 }
 

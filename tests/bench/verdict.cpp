@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "tests/bench/table.h"
@@ -24,28 +25,24 @@ std::string percent_of_diagonal(const ModelResult& model, double length) {
     return fixed(100 * length / model.diagonal, 4);
 }
 
-TableRow heading() {
-    TableRow row{"model", "triangles", "method", "runs"};
-    for (const double percent : level_percents) {
-        const std::string at = "@" + fixed(percent, 0) + "% ";
-        for (const char* column :
-             {"count", "wall ms", "CPU ms", "Mtri/s", "RMS %", "max %", "image", "own n.", "outline %"})
-            row.push_back(at + column);
-    }
-    row.insert(row.end(), {"prepare ms", "cut ms", "bytes/vertex"});
-    return row;
-}
-
-void add_level(const ModelResult& model, const LevelResult& level, TableRow& row) {
-    row.push_back(std::to_string(level.triangles));
-    row.push_back(fixed(level.reached.wall_ms, 0));
-    row.push_back(fixed(level.reached.cpu_ms, 0));
-    row.push_back(fixed(million_triangles_per_second(model, level.reached.wall_ms), 3));
-    row.push_back(level.error ? percent_of_diagonal(model, level.error->rms) : "");
-    row.push_back(level.error ? percent_of_diagonal(model, level.error->max) : "");
-    row.push_back(level.image ? fixed(level.image->rms, 2) : "");
-    row.push_back(level.own_normals_image ? fixed(level.own_normals_image->rms, 2) : "");
-    row.push_back(level.image ? fixed(level.image->silhouette_percent, 2) : "");
+TableRow level_row(const ModelResult& model, const MethodResult& method, std::size_t k) {
+    const LevelResult& level = method.levels[k];
+    return {model.name,
+            method.method,
+            fixed(level_percents[k], 0),
+            std::to_string(level.triangles),
+            fixed(level.reached.wall_ms, 0),
+            fixed(level.reached.cpu_ms, 0),
+            fixed(million_triangles_per_second(model, level.reached.wall_ms), 3),
+            level.error ? percent_of_diagonal(model, level.error->rms) : "",
+            level.error ? percent_of_diagonal(model, level.error->max) : "",
+            level.image ? fixed(level.image->rms, 2) : "",
+            level.own_normals_image ? fixed(level.own_normals_image->rms, 2) : "",
+            level.image ? fixed(level.image->silhouette_percent, 2) : "",
+            fixed(method.prepared.wall_ms, 0),
+            method.cut.wall_ms > 0 ? fixed(method.cut.wall_ms, 1) : "",
+            method.peak_bytes_per_vertex ? fixed(*method.peak_bytes_per_vertex, 0) : "",
+            std::to_string(method.rounds)};
 }
 
 using Ratio = std::optional<double> (*)(const ModelResult&, const MethodResult& ours);
@@ -131,17 +128,11 @@ bool Verdict::holds() const {
     return holds(worst(*this));
 }
 
-std::string comparison_table(const std::vector<ModelResult>& models) {
-    std::vector<TableRow> rows{heading()};
-    for (const ModelResult& model : models)
-        for (const MethodResult& method : model.methods) {
-            TableRow row{model.name, std::to_string(model.triangles), method.method, std::to_string(method.rounds)};
-            for (const LevelResult& level : method.levels) add_level(model, level, row);
-            row.push_back(fixed(method.prepared.wall_ms, 0));
-            row.push_back(method.cut.wall_ms > 0 ? fixed(method.cut.wall_ms, 1) : "");
-            row.push_back(method.peak_bytes_per_vertex ? fixed(*method.peak_bytes_per_vertex, 0) : "");
-            rows.push_back(row);
-        }
+std::string comparison_table(const ModelResult& model) {
+    std::vector<TableRow> rows{{"model", "method", "%", "count", "wall ms", "CPU ms", "Mtri/s", "RMS %", "max %",
+                                "image", "own n.", "outline %", "prepare ms", "cut ms", "bytes/vertex", "runs"}};
+    for (std::size_t k = 0; k < level_percents.size(); ++k)
+        for (const MethodResult& method : model.methods) rows.push_back(level_row(model, method, k));
     return to_text(rows);
 }
 

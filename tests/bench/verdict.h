@@ -9,8 +9,8 @@
 
 namespace lodestream::bench {
 
-// One row a method and model.
-std::string comparison_table(const std::vector<ModelResult>& models);
+// One row a level and method.
+std::string comparison_table(const ModelResult& model);
 
 struct Target {
     std::string what;
