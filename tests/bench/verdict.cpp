@@ -45,10 +45,8 @@ TableRow level_row(const ModelResult& model, const MethodResult& method, std::si
             std::to_string(method.rounds)};
 }
 
-using Ratio = std::optional<double> (*)(const ModelResult&, const MethodResult& ours);
-
-template <std::size_t level>
-std::optional<double> rms_over(const ModelResult& model, const MethodResult& ours, const char* peer_name) {
+std::optional<double> rms_over(const ModelResult& model, const MethodResult& ours, std::size_t level,
+                               const char* peer_name) {
     const MethodResult* peer = find(model, peer_name);
     if (peer == nullptr || !ours.levels[level].error || !(peer->levels[level].error->rms > 0)) return {};
     return ours.levels[level].error->rms / peer->levels[level].error->rms;
@@ -75,7 +73,7 @@ std::optional<double> image_over_best(const ModelResult& model, const MethodResu
 
 struct Rule {
     Target target;
-    Ratio ratio;
+    std::optional<double> (*value)(const ModelResult&, const MethodResult& ours);
 };
 
 const std::vector<Rule>& rules() {
@@ -90,10 +88,10 @@ const std::vector<Rule>& rules() {
          [](const M& m, const R& o) { return speed_over(m, o, "meshopt", &Duration::wall_ms); }},
         {{"... in CPU time of all threads", {}, true},
          [](const M& m, const R& o) { return speed_over(m, o, "meshopt", &Duration::cpu_ms); }},
-        {{"RMS at 10 % / CGAL", 1.1, false}, [](const M& m, const R& o) { return rms_over<0>(m, o, "cgal"); }},
-        {{"RMS at 1 % / CGAL", 1.1, false}, [](const M& m, const R& o) { return rms_over<1>(m, o, "cgal"); }},
-        {{"RMS at 10 % / meshopt", 0.6, false}, [](const M& m, const R& o) { return rms_over<0>(m, o, "meshopt"); }},
-        {{"RMS at 1 % / meshopt", 0.6, false}, [](const M& m, const R& o) { return rms_over<1>(m, o, "meshopt"); }},
+        {{"RMS at 10 % / CGAL", 1.1, false}, [](const M& m, const R& o) { return rms_over(m, o, 0, "cgal"); }},
+        {{"RMS at 1 % / CGAL", 1.1, false}, [](const M& m, const R& o) { return rms_over(m, o, 1, "cgal"); }},
+        {{"RMS at 10 % / meshopt", 0.6, false}, [](const M& m, const R& o) { return rms_over(m, o, 0, "meshopt"); }},
+        {{"RMS at 1 % / meshopt", 0.6, false}, [](const M& m, const R& o) { return rms_over(m, o, 1, "meshopt"); }},
         {{"image at 10 %, own normals / best peer", 1.0, false},
          [](const M& m, const R& o) { return image_over_best(m, o, 0, true); }},
         {{"image at 1 %, own normals / best peer", 1.0, false},
@@ -142,7 +140,7 @@ std::vector<Verdict> verdicts(const std::vector<ModelResult>& models) {
         Verdict verdict{rule.target, {}, {}};
         for (const ModelResult& model : models) {
             const MethodResult* ours = find(model, "ours");
-            const std::optional<double> value = ours != nullptr ? rule.ratio(model, *ours) : std::nullopt;
+            const std::optional<double> value = ours != nullptr ? rule.value(model, *ours) : std::nullopt;
             if (!value) continue;
             verdict.models.push_back(model.name);
             verdict.values.push_back(*value);
