@@ -37,7 +37,7 @@ int run(int argc, char** argv) {
         },
         "URL");
     client::ViewArguments view;
-    const CLI::Range sides(1u, render::max_image_side);
+    const CLI::Range sides(1u, image::max_side);
     CLI::App* view_app = app.add_subcommand("view", "Draw an asset as a device gets it into a PNG file");
     view_app->add_option("--server", view.server, "http://HOST:PORT")->required()->check(is_server);
     view_app->add_option("--asset", view.asset, "Name or id of the asset")->required();

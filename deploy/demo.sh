@@ -53,20 +53,29 @@ server=$!
 trap 'kill "$server" 2>/dev/null || true' EXIT
 
 url=http://127.0.0.1:$port
-# Ready is not enough: the report wants every asset baked.
+stall_limit_s=300  # without any progress; how long all of it takes depends on the models
+
+count_of() { grep -o "\"status\":\"$1\"" <<<"$assets_json" | wc -l; }
+
+# Ready is not enough: the report wants every asset baked, and of a folder every file imported.
 all_baked() {
-    local assets_json
-    curl -fsS -o /dev/null "$url/readyz" 2>/dev/null && assets_json=$(curl -fsS "$url/v1/assets" 2>/dev/null) &&
-        [[ $assets_json == *'"status":'* && $assets_json != *'"status":"baking"'* ]]
+    [[ $assets_json == *'"status":'* && $assets_json != *'"status":"baking"'* ]] &&
+        { [[ -z $assets ]] || grep -q '^assets: ' "$log"; }
 }
 
 echo "waiting for the server to import and bake ..."
-for ((second = 0; ; second++)); do
+assets_json= last_seen= stalled_since=$SECONDS
+until all_baked; do
     kill -0 "$server" 2>/dev/null || fail "the server stopped: $(tail -n 3 "$log")"
-    ! all_baked || break
-    ((second < 300)) || fail "the server had not baked everything within 300 s; see $log"
     sleep 1
+    assets_json=$(curl -fsS "$url/v1/assets" 2>/dev/null) || assets_json=
+    [[ ! -t 1 ]] || printf '\r%d baked, %d to go \033[K' "$(count_of ready)" "$(count_of baking)"
+    if [[ $assets_json != "$last_seen" ]]; then
+        last_seen=$assets_json stalled_since=$SECONDS
+    fi
+    ((SECONDS - stalled_since < stall_limit_s)) || fail "nothing was imported or baked for $stall_limit_s s; see $log"
 done
+[[ ! -t 1 ]] || printf '\r\033[K'
 
 "$bin/lodestream-client" report --server "$url" --out "$out" || fail "the report failed; the server's log is $log"
 

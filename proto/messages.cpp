@@ -74,6 +74,7 @@ Level read_level(const Fields& fields) {
     fields.read("max_error", level.max_error);
     fields.read("rms_error_percent", level.rms_error_percent);
     fields.read("bytes", level.bytes);
+    fields.read("texture_bytes", level.texture_bytes);
     fields.read("encode_ms", level.encode_ms);
     fields.read("url", level.url);
     return level;

@@ -30,6 +30,7 @@ struct Level {
     double max_error = 0.0;          // model units
     double rms_error_percent = 0.0;  // of the bounding box's diagonal
     std::uint64_t bytes = 0;
+    std::uint64_t texture_bytes = 0;  // of these, the images'
     double encode_ms = 0.0;
     std::string url;  // /v1/content/….glb
 };

@@ -30,6 +30,7 @@ Object object_of(const Level& level) {
             {"max_error", level.max_error},
             {"rms_error_percent", level.rms_error_percent},
             {"bytes", level.bytes},
+            {"texture_bytes", level.texture_bytes},
             {"encode_ms", level.encode_ms},
             {"url", level.url}};
 }

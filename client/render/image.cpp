@@ -4,27 +4,14 @@
 #include <array>
 #include <cmath>
 #include <fstream>
-#include <new>
 #include <string>
-
-#include "client/render/stb.h"
 
 namespace lodestream::render {
 namespace {
 
-bool consistent(const Image& image) {
-    return image.width > 0 && image.height > 0 && image.rgba.size() == image.pixels() * 4;
-}
-
-Status check_size(std::uint64_t width, std::uint64_t height) {
-    if (width > max_image_side || height > max_image_side || width * height > max_image_pixels)
-        return fail(ErrorCode::limit_exceeded, "image of " + std::to_string(width) + "x" + std::to_string(height) +
-                                                   " px is larger than the limit");
-    return Nothing{};
-}
-
 Status check_pair(const Image& a, const Image& b) {
-    if (!consistent(a) || !consistent(b)) return invalid_input("image is empty or its size does not fit its pixels");
+    if (!is_consistent(a) || !is_consistent(b))
+        return invalid_input("image is empty or its size does not fit its pixels");
     if (a.width != b.width || a.height != b.height) return invalid_input("images differ in size");
     return Nothing{};
 }
@@ -46,16 +33,6 @@ Image solid(std::uint32_t width, std::uint32_t height, std::uint8_t red, std::ui
     return image;
 }
 
-Result<std::vector<std::byte>> encode_png(const Image& image) {
-    if (!consistent(image))
-        return invalid_input("cannot encode an empty image or one whose size does not fit its pixels");
-    if (auto size = check_size(image.width, image.height); !size) return size.error();
-    std::vector<std::byte> png;
-    if (!stb_encode_png(static_cast<int>(image.width), static_cast<int>(image.height), image.rgba.data(), png))
-        return fail(ErrorCode::limit_exceeded, "not enough memory to encode a PNG");
-    return png;
-}
-
 Status write_png(const std::filesystem::path& path, const Image& image) {
     const auto png = encode_png(image);
     if (!png) return png.error();
@@ -66,35 +43,17 @@ Status write_png(const std::filesystem::path& path, const Image& image) {
     return Nothing{};
 }
 
-Result<Image> decode_image(std::span<const std::byte> bytes) {
-    if (bytes.size() > max_image_file_bytes)
-        return fail(ErrorCode::limit_exceeded, "image file is larger than the limit");
-    const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
-    const ImageSize size = stb_size(data, bytes.size());
-    if (size.width <= 0 || size.height <= 0) return invalid_input("not a PNG or JPEG image, or larger than the limit");
-    Image image{static_cast<std::uint32_t>(size.width), static_cast<std::uint32_t>(size.height), {}};
-    if (auto fits = check_size(image.width, image.height); !fits) return fits.error();
-    try {
-        std::string reason;
-        if (!stb_decode(data, bytes.size(), image.rgba, reason)) return invalid_input("damaged image: " + reason);
-    } catch (const std::bad_alloc&) {
-        return fail(ErrorCode::limit_exceeded, "not enough memory to decode an image");
-    }
-    if (!consistent(image)) return invalid_input("damaged image: its size changed while it was read");
-    return image;
-}
-
 Result<Image> read_image(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary | std::ios::ate);
     const std::streamoff size = file.tellg();
     if (!file || size < 0) return fail(ErrorCode::io, path.string() + ": cannot be read");
-    if (static_cast<std::uint64_t>(size) > max_image_file_bytes)
+    if (static_cast<std::uint64_t>(size) > image::max_file_bytes)
         return fail(ErrorCode::limit_exceeded, path.string() + ": larger than the limit");
     std::vector<std::byte> bytes(static_cast<std::size_t>(size));
     file.seekg(0);
     file.read(reinterpret_cast<char*>(bytes.data()), size);
     if (!file) return fail(ErrorCode::io, path.string() + ": cannot be read");
-    auto image = decode_image(bytes);
+    auto image = image::decode(bytes);
     if (!image) return fail(image.error().code, path.string() + ": " + image.error().message);
     return image;
 }

@@ -1,4 +1,4 @@
-// Pictures in memory: PNG in and out, and how two renderings of one view differ.
+// Pictures in files and beside each other, and how two renderings of one view differ.
 #pragma once
 
 #include <cstddef>
@@ -8,31 +8,19 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/image/codec.h"
 
 namespace lodestream::render {
 
-inline constexpr std::uint32_t max_image_side = 16'384;         // px
-inline constexpr std::uint64_t max_image_pixels = 64ull << 20;  // 256 MiB of RGBA
-inline constexpr std::uint64_t max_image_file_bytes = 256ull << 20;
-
-// 8-bit sRGB and alpha, four bytes a pixel, top row first, no padding.
-struct Image {
-    std::uint32_t width = 0;
-    std::uint32_t height = 0;
-    std::vector<std::uint8_t> rgba;  // 4 * width * height
-
-    std::size_t pixels() const { return static_cast<std::size_t>(width) * height; }
-};
+using Image = image::Pixels;
+using image::encode_png;
 
 Image solid(std::uint32_t width, std::uint32_t height, std::uint8_t red, std::uint8_t green, std::uint8_t blue);
 
-// Errors: invalid_input (empty or inconsistent image), limit_exceeded, io (the path).
-Result<std::vector<std::byte>> encode_png(const Image& image);
+// Errors: those of image::encode_png, io (the path).
 Status write_png(const std::filesystem::path& path, const Image& image);
 
-// PNG or JPEG of at most max_image_side × max_image_side and max_image_pixels; the bytes are hostile.
-// Errors: invalid_input (damaged or another format), limit_exceeded.
-Result<Image> decode_image(std::span<const std::byte> bytes);
+// Errors: those of image::decode, io (the path).
 Result<Image> read_image(const std::filesystem::path& path);
 
 // Beside each other, tops aligned, on white, `gap_px` apart.

@@ -295,7 +295,7 @@ Status Renderer::Impl::create() {
     glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport_side.data());
     glGetIntegerv(GL_MAX_SAMPLES, &max_driver_samples);
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &max_texture_side);
-    max_side = std::min({renderbuffer_side, viewport_side[0], viewport_side[1], static_cast<GLint>(max_image_side)});
+    max_side = std::min({renderbuffer_side, viewport_side[0], viewport_side[1], static_cast<GLint>(image::max_side)});
     if (gl_failed() || max_side < 1) return fail(ErrorCode::unavailable, "the current context is not OpenGL ES 3");
     return Nothing{};
 }
@@ -323,7 +323,7 @@ std::vector<std::string> Renderer::Impl::upload_textures(const std::vector<mesh:
     for (std::size_t i = 0; i < images.size(); ++i) {
         if (!used[i]) continue;
         const std::string where = "image " + std::to_string(i) + " is drawn white: ";
-        auto image = decode_image(images[i].bytes);
+        auto image = image::decode(images[i].bytes);
         if (!image) {
             warnings.push_back(where + image.error().message);
             continue;
@@ -384,7 +384,7 @@ Status Renderer::Impl::check(const DrawOptions& options) const {
         return invalid_input("a picture needs a width and a height of at least 1 px");
     const auto side = static_cast<std::uint32_t>(max_side);
     if (options.width > side || options.height > side ||
-        std::uint64_t{options.width} * options.height > max_image_pixels)
+        std::uint64_t{options.width} * options.height > image::max_pixels)
         return fail(ErrorCode::limit_exceeded, "a picture of " + std::to_string(options.width) + "x" +
                                                    std::to_string(options.height) + " px is too large to draw");
     if (options.samples == 0 || options.samples > max_samples) return invalid_input("samples must be 1 to 8");

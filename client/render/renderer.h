@@ -32,7 +32,7 @@ inline constexpr std::uint32_t max_samples = 8;
 inline constexpr std::uint64_t max_texture_texels = 256ull << 20;  // of all images of a level together
 
 struct DrawOptions {
-    std::uint32_t width = 800;   // px, >= 1, at most max_image_side and what the driver allows
+    std::uint32_t width = 800;   // px, >= 1, at most image::max_side and what the driver allows
     std::uint32_t height = 600;  // px, likewise
     std::uint32_t samples = 4;   // a pixel; 1 turns anti-aliasing off, which is right where images are compared
     std::uint32_t frames = 1;    // frame_ms is the median over that many, >= 1

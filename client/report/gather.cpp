@@ -59,7 +59,7 @@ auto timed(const Effort& effort, double& ms, Call call) {
 }
 
 std::string png_text(const render::Image& image) {
-    Result<std::vector<std::byte>> png = render::encode_png(image);
+    Result<std::vector<std::byte>> png = image::encode_png(image);
     return png ? std::string(reinterpret_cast<const char*>(png->data()), png->size()) : std::string();
 }
 
@@ -434,7 +434,13 @@ Result<ReportData> Gatherer::run() {
     devices_ = *std::move(devices);
     Result<std::vector<proto::Asset>> assets = settled_assets();
     if (!assets) return assets.error();
-    for (const proto::Asset& asset : choose(*std::move(assets))) {
+    const std::vector<proto::Asset> chosen = choose(*std::move(assets));
+    if (chosen.size() > max_thorough_assets) {
+        effort_ = quick_effort;
+        data_.problems.push_back(std::to_string(chosen.size()) +
+                                 " models: each is measured with fewer levels and frames");
+    }
+    for (const proto::Asset& asset : chosen) {
         Result<AssetResult> measured = measure_asset(asset);
         if (stopped_) return fail(ErrorCode::unavailable, "interrupted");
         if (measured)

@@ -109,9 +109,14 @@ double triangles_within_bytes(const AssetCost& asset, double bytes) {
     return triangles_at(finer + 1) + (bytes - bytes_at(finer + 1)) * triangle_span / byte_span;
 }
 
-double network_excess(const Request& request, std::uint64_t bytes) {
+double network_bytes(const Request& request) {
+    return request.network ? affordable_bytes(*request.network) : std::numeric_limits<double>::infinity();
+}
+
+double network_excess(const Request& request, const AssetCost& asset, std::uint64_t bytes) {
     if (!request.network) return 0.0;
-    return static_cast<double>(bytes) / std::max(affordable_bytes(*request.network), 1.0);
+    const auto fixed = static_cast<double>(asset.fixed_bytes);
+    return (static_cast<double>(bytes) - fixed) / std::max(affordable_bytes(*request.network) - fixed, 1.0);
 }
 
 Status validate(const Request& request) {
@@ -167,7 +172,9 @@ Result<Budget> derive_budget(const Request& request, const AssetCost& asset) {
     if (request.display)
         limit(triangles_for_display(static_cast<double>(request.display->width) * request.display->height),
               LimitedBy::display);
-    if (request.network) limit(triangles_within_bytes(asset, affordable_bytes(*request.network)), LimitedBy::network);
+    if (request.network)
+        limit(triangles_within_bytes(asset, network_bytes(request) - static_cast<double>(asset.fixed_bytes)),
+              LimitedBy::network);
     if (request.device.memory_mb)
         limit(*request.device.memory_mb * 1e6 * memory_share_for_level / drawn_bytes_per_triangle, LimitedBy::memory);
     // The asset binds also where the device's share was worked out from the asset's own count and is all of it.

@@ -67,6 +67,7 @@ struct AssetCost {
     std::uint64_t triangles = 0;     // of the full model
     std::vector<EncodedSize> sizes;  // of its ladder, finest first, falling; empty: the network does not limit
     double bytes_factor = 1.0;       // > 0; what the sizes are to be multiplied by
+    std::uint64_t fixed_bytes = 0;   // sent with any level beside its triangles and not part of the sizes: textures
 };
 
 // The most triangles whose level is expected to have at most `bytes`: piecewise linear between the measured sizes, the
@@ -102,8 +103,12 @@ double capacity_mhz(const DeviceReport& device);
 // rows, continued by the first row's triangles per pixel below and by the last interval's slope above. Never negative.
 double triangles_for_display(double pixels);
 
-// Bytes over what the network carries in max_wait_s; above 1: too many. 0 where no network is given.
-double network_excess(const Request& request, std::uint64_t bytes);
+// What the network carries in max_wait_s; +infinity where no network is given.
+double network_bytes(const Request& request);
+
+// Bytes of the triangles over what the network leaves them beside the fixed bytes; above 1: too many. 0 where no
+// network is given. `bytes` are the whole level's.
+double network_excess(const Request& request, const AssetCost& asset, std::uint64_t bytes);
 
 // Refuses with a message that names the field: non-finite numbers, zero or negative where the header says > 0.
 Status validate(const Request& request);

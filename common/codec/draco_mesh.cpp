@@ -1,8 +1,17 @@
 #include "common/codec/draco_mesh.h"
 
+// The second declares nothing without the first.
+// clang-format off
+#include <draco/draco_features.h>
+#include <draco/compression/attributes/prediction_schemes/mesh_prediction_scheme_tex_coords_decoder.h>
+// clang-format on
+#include <draco/compression/attributes/prediction_schemes/mesh_prediction_scheme_tex_coords_portable_decoder.h>
+#include <draco/compression/attributes/prediction_schemes/prediction_scheme_wrap_decoding_transform.h>
+#include <draco/compression/bit_coders/rans_bit_decoder.h>
 #include <draco/compression/decode.h>
 #include <draco/compression/point_cloud/point_cloud_decoder.h>
 #include <draco/core/varint_decoding.h>
+#include <draco/mesh/mesh_attribute_corner_table.h>
 #include <draco/metadata/metadata_decoder.h>
 
 #include <algorithm>
@@ -234,3 +243,74 @@ Result<DracoMesh> decode_draco(std::span<const std::byte> bytes, std::uint64_t m
 }
 
 }  // namespace lodestream::codec
+
+// Draco 1.5.5 believes whatever count of texture orientations a stream states and works through it bit by bit: 1 KB can
+// cost ten seconds and 256 MB. No look at the stream beforehand finds that count, since it stands behind entropy-coded
+// data. So the functions that read it, templates which Draco's library instantiates as weak symbols, are specialized
+// here with the missing bound: the strong symbol is the one that Draco's tables of virtual functions get.
+namespace draco {
+namespace {
+
+using Wrap = PredictionSchemeWrapDecodingTransform<int, int>;
+using FullTable = MeshPredictionSchemeData<CornerTable>;
+using AttributeTable = MeshPredictionSchemeData<MeshAttributeCornerTable>;
+
+// Reads `count` delta coded flags; a mesh has at most one for each of its corners.
+bool read_orientations(std::uint32_t count, int corners, DecoderBuffer& buffer, std::vector<bool>& orientations) {
+    RAnsBitDecoder decoder;
+    if (corners < 0 || count > static_cast<std::uint32_t>(corners) || !decoder.StartDecoding(&buffer)) return false;
+    bool orientation = true;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        orientation = orientation == decoder.DecodeNextBit();
+        orientations.push_back(orientation);
+    }
+    decoder.EndDecoding();
+    return true;
+}
+
+template <class Predictor>
+bool read_portable(Predictor& predictor, int corners, DecoderBuffer& buffer) {
+    std::int32_t count = 0;
+    std::vector<bool> orientations;
+    if (!buffer.Decode(&count) || count < 0) return false;
+    if (!read_orientations(static_cast<std::uint32_t>(count), corners, buffer, orientations)) return false;
+    predictor.ResizeOrientations(count);
+    for (int i = 0; i < count; ++i) predictor.set_orientation(i, orientations[static_cast<std::size_t>(i)]);
+    return true;
+}
+
+bool read_deprecated(std::vector<bool>& orientations, int corners, DecoderBuffer& buffer) {
+    std::uint32_t count = 0;
+    const bool varint = buffer.bitstream_version() >= DRACO_BITSTREAM_VERSION(2, 2);
+    orientations.clear();
+    return (varint ? DecodeVarint(&count, &buffer) : buffer.Decode(&count)) && count > 0 &&
+           read_orientations(count, corners, buffer, orientations);
+}
+
+}  // namespace
+
+// NOLINTBEGIN(readability-identifier-naming): Draco's names
+template <>
+bool MeshPredictionSchemeTexCoordsPortableDecoder<int, Wrap, FullTable>::DecodePredictionData(DecoderBuffer* buffer) {
+    return read_portable(predictor_, mesh_data().corner_table()->num_corners(), *buffer) &&
+           MeshPredictionSchemeDecoder<int, Wrap, FullTable>::DecodePredictionData(buffer);
+}
+template <>
+bool MeshPredictionSchemeTexCoordsPortableDecoder<int, Wrap, AttributeTable>::DecodePredictionData(
+    DecoderBuffer* buffer) {
+    return read_portable(predictor_, mesh_data().corner_table()->num_corners(), *buffer) &&
+           MeshPredictionSchemeDecoder<int, Wrap, AttributeTable>::DecodePredictionData(buffer);
+}
+template <>
+bool MeshPredictionSchemeTexCoordsDecoder<int, Wrap, FullTable>::DecodePredictionData(DecoderBuffer* buffer) {
+    return read_deprecated(orientations_, mesh_data().corner_table()->num_corners(), *buffer) &&
+           MeshPredictionSchemeDecoder<int, Wrap, FullTable>::DecodePredictionData(buffer);
+}
+template <>
+bool MeshPredictionSchemeTexCoordsDecoder<int, Wrap, AttributeTable>::DecodePredictionData(DecoderBuffer* buffer) {
+    return read_deprecated(orientations_, mesh_data().corner_table()->num_corners(), *buffer) &&
+           MeshPredictionSchemeDecoder<int, Wrap, AttributeTable>::DecodePredictionData(buffer);
+}
+// NOLINTEND(readability-identifier-naming)
+
+}  // namespace draco

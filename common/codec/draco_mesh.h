@@ -28,8 +28,7 @@ struct DracoMesh {
 };
 
 // Decodes hostile bytes. Errors: invalid_input (damaged, truncated), limit_exceeded (more than max_points or faces).
-// Known weakness: Draco 1.5.5 trusts the count of texture orientations inside a stream, so that a crafted one can cost
-// some seconds and 256 MB for each of its texture coordinate attributes before it is refused.
+// Costs at most about what a sound stream of the same length and counts costs.
 Result<DracoMesh> decode_draco(std::span<const std::byte> bytes, std::uint64_t max_points, std::uint64_t max_triangles);
 
 }  // namespace lodestream::codec

@@ -36,11 +36,18 @@ inline constexpr double finest_steps_per_edge = 64.0;
 // one asset that are given the same `bounds` differ in `bits` alone. Where neither length is positive: the most bits.
 QuantizationGrid choose_grid(const Box& bounds, double error, double mean_edge_length);
 
+// An image to be sent in place of one of the model's.
+struct SmallerImage {
+    const mesh::Image* image = nullptr;     // null: the model's own
+    std::uint64_t bytes_below_a_pixel = 0;  // of the bytes saved, those that the display could not have shown
+};
+
 struct EncodeOptions {
     QuantizationGrid grid;
     int normal_bits = 8;
     int texture_coordinate_bits = 12;
-    std::string extras_json;  // an object, put into the asset's `extras.lodestream`; empty: none
+    std::vector<SmallerImage> images;  // one for each of the model's; empty: all as they are
+    std::string extras_json;           // an object, put into the asset's `extras.lodestream`; empty: none
 };
 
 struct Encoded {
@@ -48,6 +55,7 @@ struct Encoded {
     std::uint64_t triangles = 0;
     std::uint64_t vertices = 0;                                   // as decoded, summed over the primitives
     std::uint64_t geometry_bytes = 0;                             // of the Draco streams
+    std::uint64_t texture_bytes = 0;                              // of the images
     std::vector<std::pair<std::string, std::uint64_t>> left_out;  // what, and the bytes that it would have cost
 };
 
@@ -69,9 +77,9 @@ struct Decoded {
 
 // Encodes `level` with the materials and images of `model` that it uses. `gouraud[t]` != 0: triangle t is Gouraud
 // shaded. Leaves out texture coordinates where no used texture reads them, colours that are constant (moved into the
-// material), and unused materials and images. The result has been decoded again and compared with `level`: same
-// triangles, positions within half a grid step, borders identical. Errors: invalid_input (too many triangles, not
-// finite), internal.
+// material), unused materials and images, and what smaller images lack. The result has been decoded again and compared
+// with `level`: same triangles, positions within half a grid step, borders identical. Errors: invalid_input (too many
+// triangles, not finite), internal.
 Result<Encoded> encode_level(const mesh::Model& model, const mesh::Mesh& level, std::span<const std::uint8_t> gouraud,
                              const EncodeOptions& options);
 

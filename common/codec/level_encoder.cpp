@@ -59,11 +59,17 @@ Status check_level(const Model& model, const Mesh& level, std::span<const std::u
     return Nothing{};
 }
 
-Status check_texture(const Model& model, const mesh::TextureReference& texture) {
+// The image that is sent for the model's.
+const mesh::Image& sent_image(const Model& model, const EncodeOptions& options, std::size_t image) {
+    const bool is_smaller = !options.images.empty() && options.images[image].image != nullptr;
+    return is_smaller ? *options.images[image].image : model.images[image];
+}
+
+Status check_texture(const Model& model, const EncodeOptions& options, const mesh::TextureReference& texture) {
     if (texture.image < 0) return Nothing{};
     if (static_cast<std::size_t>(texture.image) >= model.images.size())
         return invalid_input("encode: a material refers to a missing image");
-    const mesh::Image& image = model.images[static_cast<std::size_t>(texture.image)];
+    const mesh::Image& image = sent_image(model, options, static_cast<std::size_t>(texture.image));
     if (image_media_type(image.bytes).empty() || image_media_type(image.bytes) != image.media_type)
         return invalid_input("encode: image " + std::to_string(texture.image) + " is not the PNG or JPEG that it says");
     return Nothing{};
@@ -181,7 +187,7 @@ float in_unit_range(float value, float otherwise) {
 // The glTF document as it grows, and its binary chunk.
 class Document {
   public:
-    explicit Document(const Model& model) : model_(model) {
+    Document(const Model& model, const EncodeOptions& options) : model_(model), options_(options) {
         root_["asset"] = {{"version", "2.0"}, {"generator", "lodestream"}};
     }
 
@@ -189,6 +195,7 @@ class Document {
     void add_primitive(const EncodedPrimitive& primitive, std::size_t material);
     std::size_t add_material(const Material& material, const Group& group);
     Result<std::vector<std::byte>> finish();
+    std::uint64_t texture_bytes() const { return texture_bytes_; }
 
   private:
     std::size_t add_view(const void* data, std::size_t size, int target = 0);
@@ -202,6 +209,8 @@ class Document {
     std::size_t add_sampler(const mesh::TextureReference& texture);
 
     const Model& model_;
+    const EncodeOptions& options_;
+    std::uint64_t texture_bytes_ = 0;
     json root_ = json::object();
     json primitives_ = json::array();
     std::vector<std::byte> binary_;
@@ -312,7 +321,8 @@ void Document::add_primitive(const EncodedPrimitive& primitive, std::size_t mate
 std::size_t Document::add_image(int image) {
     const auto found = images_.find(image);
     if (found != images_.end()) return found->second;
-    const mesh::Image& source = model_.images[static_cast<std::size_t>(image)];
+    const mesh::Image& source = sent_image(model_, options_, static_cast<std::size_t>(image));
+    texture_bytes_ += source.bytes.size();
     const std::size_t view = add_view(source.bytes.data(), source.bytes.size());
     return images_[image] = append_to(root_["images"], {{"bufferView", view}, {"mimeType", source.media_type}});
 }
@@ -452,7 +462,18 @@ class Omissions {
     std::map<std::string, std::uint64_t> bytes_;
 };
 
-void add_unused(const Model& model, const std::vector<Group>& groups, Omissions& omissions) {
+// `image` was sent smaller than the model has it.
+void add_texels(const Model& model, const EncodeOptions& options, std::size_t image, Omissions& omissions) {
+    if (options.images.empty()) return;
+    const std::uint64_t full = model.images[image].bytes.size();
+    const std::uint64_t saved = full - std::min<std::uint64_t>(full, sent_image(model, options, image).bytes.size());
+    const std::uint64_t below_a_pixel = std::min(saved, options.images[image].bytes_below_a_pixel);
+    omissions.add("texels below a pixel", below_a_pixel);
+    omissions.add("texels beyond the network", saved - below_a_pixel);
+}
+
+void add_images_and_materials(const Model& model, const EncodeOptions& options, const std::vector<Group>& groups,
+                              Omissions& omissions) {
     std::vector<bool> material_used(model.materials.size(), false), image_used(model.images.size(), false);
     for (const Group& group : groups) {
         const Material& m = model.materials[group.material];
@@ -463,7 +484,10 @@ void add_unused(const Model& model, const std::vector<Group>& groups, Omissions&
             if (texture->image >= 0) image_used[static_cast<std::size_t>(texture->image)] = true;
     }
     for (std::size_t i = 0; i < image_used.size(); ++i)
-        if (!image_used[i]) omissions.add("unused images", model.images[i].bytes.size());
+        if (image_used[i])
+            add_texels(model, options, i, omissions);
+        else
+            omissions.add("unused images", model.images[i].bytes.size());
     for (std::size_t i = 0; i < material_used.size(); ++i)
         if (!material_used[i])
             omissions.add("unused materials", material_factors(model.materials[i], Rgba8(255))
@@ -471,13 +495,15 @@ void add_unused(const Model& model, const std::vector<Group>& groups, Omissions&
                                                   .size());
 }
 
-Status check_textures(const Model& model, const std::vector<Group>& groups) {
+Status check_textures(const Model& model, const EncodeOptions& options, const std::vector<Group>& groups) {
+    if (!options.images.empty() && options.images.size() != model.images.size())
+        return invalid_input("encode: not one smaller image for each of the model's");
     for (const Group& group : groups) {
         if (!group.has_texture) continue;
         const Material& m = model.materials[group.material];
         for (const auto* texture :
              {&m.base_color_texture, &m.metallic_roughness_texture, &m.occlusion_texture, &m.emissive_texture})
-            if (Status status = check_texture(model, *texture); !status) return status;
+            if (Status status = check_texture(model, options, *texture); !status) return status;
     }
     return Nothing{};
 }
@@ -486,7 +512,7 @@ Result<Encoded> encode(const Model& model, const Mesh& level, std::span<const st
                        const EncodeOptions& options) {
     for (const Status& status : {check_options(options), check_level(model, level, gouraud)})
         if (!status) return status.error();
-    Document document(model);
+    Document document(model, options);
     if (!options.extras_json.empty()) {
         Result<json> extras = parse_json(options.extras_json);
         if (!extras || !extras->is_object()) return invalid_input("encode: extras_json is not a JSON object");
@@ -494,11 +520,11 @@ Result<Encoded> encode(const Model& model, const Mesh& level, std::span<const st
     }
     const std::vector<Group> groups = group_by_material(model, level, gouraud);
     if (2 * groups.size() > max_gltf_elements) return fail(ErrorCode::limit_exceeded, "encode: too many materials");
-    if (const Status status = check_textures(model, groups); !status) return status.error();
+    if (const Status status = check_textures(model, options, groups); !status) return status.error();
 
     Encoded result;
     Omissions omissions;
-    add_unused(model, groups, omissions);
+    add_images_and_materials(model, options, groups, omissions);
     if (!groups.empty()) {
         Result<Channels> channels = make_channels(level, options);
         if (!channels) return channels.error();
@@ -523,6 +549,7 @@ Result<Encoded> encode(const Model& model, const Mesh& level, std::span<const st
     Result<std::vector<std::byte>> glb = document.finish();
     if (!glb) return glb.error();
     result.glb = std::move(*glb);
+    result.texture_bytes = document.texture_bytes();
     result.left_out = omissions.list();
     return result;
 }

@@ -9,6 +9,7 @@
 
 #include "common/codec/level_codec.h"
 #include "common/mesh/operations.h"
+#include "server/bake/textures.h"
 
 namespace lodestream::bake {
 
@@ -44,7 +45,8 @@ std::vector<std::uint64_t> ladder_counts(std::uint64_t triangles) {
 }
 
 Result<proto::Level> make_level(store::Store& store, const std::string& asset_id, const BakedModel& baked,
-                                const metric::SurfaceIndex& original, std::uint64_t triangles) {
+                                const texture::Textures& textures, const metric::SurfaceIndex& original,
+                                std::uint64_t triangles) {
     const mesh::Mesh& source = baked.model.mesh;
     const mesh::Mesh level = simplify::cut(source, baked.history, triangles);
     const metric::SurfaceError error = level.triangles.size() == source.triangles.size()
@@ -55,6 +57,7 @@ Result<proto::Level> make_level(store::Store& store, const std::string& asset_id
     const std::vector<std::uint8_t> all_gouraud(level.triangles.size(), 1);
     codec::EncodeOptions options;
     options.grid = level_grid(source, level, error);
+    options.images = texture::choose(baked.model, textures, level_needs(error)).images;
     Result<codec::Encoded> encoded = codec::encode_level(baked.model, level, all_gouraud, options);
     if (!encoded) return encoded.error();
     const double encode_ms = watch.ms();
@@ -70,6 +73,7 @@ Result<proto::Level> make_level(store::Store& store, const std::string& asset_id
     result.max_error = error.max;
     result.rms_error_percent = percent_of_diagonal(error.rms, mesh::bounds(source));
     result.bytes = encoded->glb.size();
+    result.texture_bytes = encoded->texture_bytes;
     result.encode_ms = encode_ms;
     result.url = content_url(file->hash);
     return result;
@@ -88,13 +92,18 @@ Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::
     if (!history) return history.error();
 
     const BakedModel baked{std::move(model), std::move(*history)};
+    Result<texture::Ladder> ladder = texture::make_ladder(baked.model);
+    if (!ladder) return ladder.error();
+    asset.warnings.insert(asset.warnings.end(), ladder.warnings.begin(), ladder.warnings.end());
+    if (Status stored = put_textures(store, asset.id, *ladder); !stored) return stored.error();
+    const texture::Textures textures = texture::textures_of(baked.model, *std::move(ladder));
     const metric::SurfaceIndex original(baked.model.mesh);
     const std::vector<std::uint64_t> counts = ladder_counts(baked.model.mesh.triangles.size());
     for (std::size_t i = 0; i < counts.size(); ++i) {
         if (!report(recorded_share +
                     (1.0 - recorded_share) * static_cast<double>(i) / static_cast<double>(counts.size())))
             return cancelled;
-        Result<proto::Level> level = make_level(store, asset.id, baked, original, counts[i]);
+        Result<proto::Level> level = make_level(store, asset.id, baked, textures, original, counts[i]);
         if (!level) return level.error();
         if (!asset.levels.empty() && asset.levels.back().triangles == level->triangles) continue;
         asset.levels.push_back(std::move(*level));

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstdio>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "server/bake/bake.h"
@@ -51,30 +52,67 @@ AssetFolder::AssetFolder(fs::path folder, store::Store& store, http::BakeQueue& 
 AssetFolder::~AssetFolder() = default;
 
 void AssetFolder::scan() {
+    const Outcome outcome = submit_changed();
+    if (!std::exchange(first_scan_, false)) return;
+    std::printf("assets: %zu models found, %zu refused\n", outcome.models, outcome.refused);
+    std::fflush(stdout);
+}
+
+AssetFolder::Outcome AssetFolder::submit_changed() {
+    Outcome outcome;
     for (const fs::directory_entry& entry : model_files(folder_)) {
         const std::string stamp = stamp_of(entry);
         std::string& seen = seen_[entry.path()];
+        ++outcome.models;
         if (seen == stamp) continue;
         seen = stamp;
-        submit(entry.path(), stamp);
+        if (!submit(entry.path(), stamp)) ++outcome.refused;
     }
+    return outcome;
 }
 
-void AssetFolder::submit(const fs::path& file, const std::string& stamp) {
-    const std::string name = asset_name_of(file.string());
+// Not an upload or a sample, which a file must not replace.
+bool AssetFolder::is_free(const std::string& name) const {
+    const Result<std::string> id = bake::asset_id(name);
+    if (!id || ids_.contains(*id)) return false;
+    const Result<proto::Asset> known = store_.asset(*id);
+    return !known || known->status == proto::AssetStatus::failed || store_.content(known->id, source_key).ok();
+}
+
+std::optional<std::string> AssetFolder::name_of(const fs::path& file) {
+    if (const auto known = names_.find(file); known != names_.end()) return known->second;
+    std::string path = file.lexically_relative(folder_).generic_string();
+    std::replace(path.begin(), path.end(), '/', '-');
+    for (const std::string& name : {asset_name_of(file.string()), file.filename().string(), path}) {
+        if (!is_free(name)) continue;
+        ids_.insert(*bake::asset_id(name));
+        return names_[file] = name;
+    }
+    return std::nullopt;
+}
+
+bool AssetFolder::submit(const fs::path& file, const std::string& stamp) {
+    const auto refuse = [&](const std::string& why) {
+        std::fprintf(stderr, "%s: %s\n", file.c_str(), why.c_str());
+        return false;
+    };
+    const std::optional<std::string> name = name_of(file);
+    if (!name) return refuse("its name and its path are those of other assets");
     const std::string source = fs::absolute(file).string() + " " + stamp;
-    if (Result<proto::Asset> known = store_.asset(name)) {
+    if (Result<proto::Asset> known = store_.asset(*name)) {
         const Result<store::Store::Content> baked_of = store_.content(known->id, source_key);
-        if (known->status == proto::AssetStatus::ready && baked_of && baked_of->record == source) return;
+        if (known->status == proto::AssetStatus::ready && baked_of && baked_of->record == source) return true;
         bakes_.cancel(known->id);
         (void)store_.remove_asset(known->id);
     }
-    Result<proto::Asset> asset = bakes_.submit(name, file);
+    Result<proto::Asset> asset = bakes_.submit(*name, file);
     if (!asset) {
-        std::fprintf(stderr, "%s: %s\n", file.c_str(), asset.error().message.c_str());
-        return;
+        ids_.erase(*bake::asset_id(*name));
+        names_.erase(file);
+        return refuse(asset.error().message);
     }
     (void)store_.put_content(asset->id, source_key, "txt", std::as_bytes(std::span(source)), source);
+    return true;
 }
 
 }  // namespace lodestream::cli

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/image/codec.h"
 #include "server/importer/formats.h"
-#include "server/importer/images.h"
 #include "server/importer/text_cursor.h"
 
 namespace lodestream::importer {
@@ -117,12 +117,14 @@ Result<AscHeader> read_asc_header(TextCursor& cursor) {
 }  // namespace
 
 Status read_terrain_png(const Source& source, Soup& soup) {
-    const Result<GreyImage> image = decode_grey16_png(source.bytes, source.limits);
-    if (!image) return image.error();
+    const Result<image::Header> header = image::read_header(source.bytes);
+    if (!header) return invalid_input("is not a readable PNG");
     HeightGrid grid;
-    grid.columns = image->width;
-    grid.rows = image->height;
+    grid.columns = header->width;
+    grid.rows = header->height;
     if (const Status fits = check_size(grid.columns, grid.rows, source.limits); !fits) return fits;
+    const Result<image::Grey> image = image::decode_grey16_png(source.bytes);
+    if (!image) return image.error();
     grid.heights.reserve(image->levels.size());
     for (const std::uint16_t level : image->levels) grid.heights.push_back(level * png_metres_per_level);
     soup.warn("PNG states no scale: taken as 1 m between samples and 1 cm a grey level");

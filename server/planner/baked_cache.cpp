@@ -4,11 +4,15 @@
 #include <chrono>
 
 #include "common/mesh/operations.h"
+#include "server/bake/textures.h"
 
 namespace lodestream::planner {
 
-LoadedAsset::LoadedAsset(bake::BakedModel model)
-    : baked(std::move(model)), index(baked.model.mesh), bounds(mesh::bounds(baked.model.mesh)) {
+LoadedAsset::LoadedAsset(bake::BakedModel model, texture::Ladder ladder)
+    : baked(std::move(model)),
+      textures(texture::textures_of(baked.model, std::move(ladder))),
+      index(baked.model.mesh),
+      bounds(mesh::bounds(baked.model.mesh)) {
     world_bounds.min = bounds.min + baked.model.origin;
     world_bounds.max = bounds.max + baked.model.origin;
 }
@@ -48,7 +52,9 @@ Result<std::shared_ptr<LoadedAsset>> BakedCache::load(const std::string& asset_i
     if (!bytes) return bytes.error();
     Result<bake::BakedModel> baked = bake::deserialize(*bytes);
     if (!baked) return baked.error();
-    auto asset = std::make_shared<LoadedAsset>(std::move(*baked));
+    Result<texture::Ladder> ladder = bake::load_textures(store_, asset_id, baked->model.images.size());
+    if (!ladder) return ladder.error();
+    auto asset = std::make_shared<LoadedAsset>(std::move(*baked), std::move(*ladder));
     entries_.push_front({asset_id, content->file.hash, bytes->size() * memory_per_stored_byte, asset});
     make_room();
     return asset;

@@ -10,6 +10,7 @@
 
 #include "common/base/result.h"
 #include "common/metric/surface_distance.h"
+#include "common/texture/choice.h"
 #include "server/bake/bake.h"
 #include "server/store/store.h"
 
@@ -22,9 +23,10 @@ inline constexpr std::size_t max_remembered_errors = 4'096;    // of one asset
 
 // One asset ready to be cut. Immutable but for the errors remembered.
 struct LoadedAsset {
-    explicit LoadedAsset(bake::BakedModel model);
+    LoadedAsset(bake::BakedModel model, texture::Ladder ladder);
 
     bake::BakedModel baked;
+    texture::Textures textures;
     metric::SurfaceIndex index;
     Box bounds;        // model space
     Box world_bounds;  // bounds + origin

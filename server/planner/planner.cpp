@@ -9,6 +9,7 @@
 #include "common/simplify/history.h"
 #include "proto/records.h"
 #include "server/bake/bake.h"
+#include "server/bake/textures.h"
 #include "server/planner/baked_cache.h"
 #include "server/planner/hybrid_level.h"
 
@@ -30,11 +31,36 @@ class Stopwatch {
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-budget::AssetCost cost_of(const proto::Asset& asset) {
+// Without the images, which are chosen apart.
+std::uint64_t geometry_bytes(const proto::Level& level) {
+    return level.bytes - std::min(level.bytes, level.texture_bytes);
+}
+
+budget::AssetCost cost_of(const proto::Asset& asset, const texture::Choice& textures) {
     budget::AssetCost cost;
     cost.triangles = asset.triangles;
-    for (const proto::Level& level : asset.levels) cost.sizes.push_back({level.triangles, level.bytes});
+    cost.fixed_bytes = textures.bytes;
+    for (const proto::Level& level : asset.levels) cost.sizes.push_back({level.triangles, geometry_bytes(level)});
     return cost;
+}
+
+shading::View view_of(const proto::PlanRequest& request, const LoadedAsset& loaded) {
+    return request.view ? *request.view : shading::framing_view(loaded.world_bounds);
+}
+
+// What the request can see and carry of the asset's images. Of the network they get their share, or all that the whole
+// geometry leaves.
+texture::Needs texture_needs(const proto::PlanRequest& request, const proto::Asset& asset, const LoadedAsset& loaded) {
+    texture::Needs needs;
+    if (request.budget.display) {
+        const double pixels_per_unit =
+            shading::pixels_per_unit(view_of(request, loaded), loaded.world_bounds, *request.budget.display);
+        if (pixels_per_unit > 0.0) needs.pixel_size = 1.0 / pixels_per_unit;
+    }
+    const double network = budget::network_bytes(request.budget);
+    const double geometry = asset.levels.empty() ? 0.0 : static_cast<double>(geometry_bytes(asset.levels.front()));
+    needs.max_bytes = std::max(texture::network_share * network, network - geometry);
+    return needs;
 }
 
 Error not_ready(const proto::Asset& asset) {
@@ -43,9 +69,17 @@ Error not_ready(const proto::Asset& asset) {
     return fail(ErrorCode::conflict, "asset '" + asset.name + "' failed to bake: " + asset.error);
 }
 
+struct LevelRequest {
+    std::uint64_t triangles = 0;
+    SplitRequest split;
+    const texture::Choice& textures;
+};
+
 // Names everything that the encoded bytes depend on. The view matters only where triangles are chosen by it.
-std::string content_key(std::uint64_t triangles, const SplitRequest& split, const Vec3d& center) {
-    std::string key = "level/" + std::to_string(triangles) + "/" + proto::shading_mode_name(split.mode);
+std::string content_key(const LevelRequest& level, const Vec3d& center) {
+    const SplitRequest& split = level.split;
+    std::string key = "level/" + std::to_string(level.triangles) + "/" + proto::shading_mode_name(split.mode);
+    if (!level.textures.key.empty()) key += "/images" + level.textures.key;
     if (split.mode != proto::ShadingMode::hybrid || split.distance <= 0.0 || split.distance >= 1.0) {
         return key + (split.mode == proto::ShadingMode::hybrid ? (split.distance <= 0.0 ? "/near" : "/far") : "");
     }
@@ -66,11 +100,12 @@ void fill_shading(proto::PlanResponse& response, const EncodedSplit& split) {
     response.shading.mode = proto::shading_mode_name(split.mode);
 }
 
-void fill_content(proto::PlanResponse& response, const codec::Encoded& encoded, std::uint64_t full_bytes) {
+void fill_content(proto::PlanResponse& response, const codec::Encoded& encoded, std::uint64_t full_geometry_bytes) {
     response.level.vertices = encoded.vertices;
     response.content.bytes = encoded.glb.size();
-    if (full_bytes > response.content.bytes)
-        response.left_out.push_back({"triangles beyond the budget", full_bytes - response.content.bytes});
+    const std::uint64_t own_bytes = encoded.glb.size() - encoded.texture_bytes;
+    if (full_geometry_bytes > own_bytes)
+        response.left_out.push_back({"triangles beyond the budget", full_geometry_bytes - own_bytes});
     for (const auto& [what, bytes] : encoded.left_out) response.left_out.push_back({what, bytes});
 }
 
@@ -84,15 +119,17 @@ struct Planner::Impl {
 
     Result<proto::PlanResponse> plan(const proto::PlanRequest& request);
     Result<proto::PlanResponse> plan_level(const proto::PlanRequest& request, const proto::Asset& asset,
-                                           LoadedAsset& loaded, const budget::Budget& budget);
+                                           LoadedAsset& loaded, const texture::Choice& textures,
+                                           const budget::Budget& budget);
     Status add_content(proto::PlanResponse& response, const proto::Asset& asset, LoadedAsset& loaded,
-                       const SplitRequest& split, std::uint64_t triangles);
+                       const LevelRequest& wanted);
 };
 
 // Cuts, measures, splits, encodes and stores one level, unless the store has it.
 Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::Asset& asset, LoadedAsset& loaded,
-                                  const SplitRequest& split, std::uint64_t triangles) {
-    const std::string key = content_key(triangles, split, loaded.world_bounds.center());
+                                  const LevelRequest& wanted) {
+    const SplitRequest& split = wanted.split;
+    const std::string key = content_key(wanted, loaded.world_bounds.center());
     if (Result<store::Store::Content> stored = store.content(asset.id, key)) {
         Result<proto::PlanResponse> record = proto::parse_plan_response(stored->record);
         if (!record) return record.error();
@@ -107,7 +144,7 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
 
     const Stopwatch cutting;
     const mesh::Model& model = loaded.baked.model;
-    const mesh::Mesh level = simplify::cut(model.mesh, loaded.baked.history, triangles);
+    const mesh::Mesh level = simplify::cut(model.mesh, loaded.baked.history, wanted.triangles);
     response.timing_ms.cut = cutting.ms();
     const metric::SurfaceError error = loaded.error_of(level, response.timing_ms.measure);
     response.level.rms_error = error.rms;
@@ -117,6 +154,7 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
     const Stopwatch encoding;
     codec::EncodeOptions options;
     options.grid = bake::level_grid(model.mesh, level, error);
+    options.images = wanted.textures.images;
     response.level.triangles = level.triangles.size();
     const Extras extras = [&](const EncodedSplit& attempt) {
         proto::PlanResponse figures = response;
@@ -127,9 +165,8 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
     if (!encoded) return encoded.error();
     response.timing_ms.encode = encoding.ms();
 
-    const std::uint64_t full_bytes = asset.levels.empty() ? 0 : asset.levels.front().bytes;
     fill_shading(response, *encoded);
-    fill_content(response, encoded->encoded, full_bytes);
+    fill_content(response, encoded->encoded, asset.levels.empty() ? 0 : geometry_bytes(asset.levels.front()));
     if (split.mode == proto::ShadingMode::hybrid && encoded->mode == proto::ShadingMode::gouraud &&
         split.distance > 0.0)
         response.warnings.push_back("sent all Gouraud: every split of this level would have been larger");
@@ -142,7 +179,8 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
 }
 
 Result<proto::PlanResponse> Planner::Impl::plan_level(const proto::PlanRequest& request, const proto::Asset& asset,
-                                                      LoadedAsset& loaded, const budget::Budget& budget) {
+                                                      LoadedAsset& loaded, const texture::Choice& textures,
+                                                      const budget::Budget& budget) {
     proto::PlanResponse response;
     response.dlr = budget.dlr;
     response.ncp = budget.ncp;
@@ -151,12 +189,13 @@ Result<proto::PlanResponse> Planner::Impl::plan_level(const proto::PlanRequest& 
 
     SplitRequest split;
     split.mode = request.shading;
-    split.view = request.view ? *request.view : shading::framing_view(loaded.world_bounds);
+    split.view = view_of(request, loaded);
     const budget::Display display = request.budget.display.value_or(shading::default_display);
     split.distance =
         shading::distance_level(split.view, loaded.world_bounds, display, shading::distance_steps(budget.dlr));
 
-    if (Status added = add_content(response, asset, loaded, split, budget.triangles); !added) return added.error();
+    if (Status added = add_content(response, asset, loaded, {budget.triangles, split, textures}); !added)
+        return added.error();
     response.shading.distance = split.distance;
     response.level.screen_space_error_px =
         response.level.max_error * shading::pixels_per_unit(split.view, loaded.world_bounds, display);
@@ -178,13 +217,15 @@ Result<proto::PlanResponse> Planner::Impl::plan(const proto::PlanRequest& reques
     Result<std::shared_ptr<LoadedAsset>> loaded = cache.load(asset->id);
     if (!loaded) return loaded.error();
 
-    budget::AssetCost cost = cost_of(*asset);
+    const texture::Choice textures =
+        texture::choose((*loaded)->baked.model, (*loaded)->textures, texture_needs(request, *asset, **loaded));
+    budget::AssetCost cost = cost_of(*asset, textures);
     for (int correction = 0;; ++correction) {
         Result<budget::Budget> budget = budget::derive_budget(request.budget, cost);
         if (!budget) return budget.error();
-        Result<proto::PlanResponse> response = plan_level(request, *asset, **loaded, *budget);
+        Result<proto::PlanResponse> response = plan_level(request, *asset, **loaded, textures, *budget);
         if (!response) return response;
-        const double excess = budget::network_excess(request.budget, response->content.bytes);
+        const double excess = budget::network_excess(request.budget, cost, response->content.bytes);
         if (budget->limited_by == budget::LimitedBy::network && excess > 1.0 && budget->triangles > 1 &&
             correction < max_network_corrections) {
             cost.bytes_factor *= excess * network_margin;
@@ -221,6 +262,9 @@ Result<Planner::Cut> Planner::cut(std::string_view name, std::uint64_t triangles
     result.model.kind = model.kind;
     result.model.objects = model.objects;
     result.error = (*loaded)->error_of(result.model.mesh, result.measure_ms);
+    const texture::Choice textures = texture::choose(model, (*loaded)->textures, bake::level_needs(result.error));
+    for (std::size_t i = 0; i < textures.images.size(); ++i)
+        if (textures.images[i].image) result.model.images[i] = *textures.images[i].image;
     result.rms_error_percent = bake::percent_of_diagonal(result.error.rms, (*loaded)->bounds);
     return result;
 }

@@ -153,7 +153,7 @@ const std::vector<Ownership>& owners() {
         {"tiny_gltf", {"server/importer"}},
         {"tiny_obj_loader", {"server/importer"}},
         {"meshoptimizer", {"server/importer"}},
-        {"stb/", {"server/importer", "client/render"}},
+        {"stb/", {"common/image"}},
         {"sqlite3", {"server/store"}},
         {"openssl/", {"server/store"}},
         {"boost/", {"server/http", "client/sdk"}},

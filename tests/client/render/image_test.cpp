@@ -19,22 +19,6 @@ void paint(Image& image, std::uint32_t x, std::uint32_t y, std::uint8_t value) {
     for (std::size_t c = 0; c < 3; ++c) image.rgba[(std::size_t{y} * image.width + x) * 4 + c] = value;
 }
 
-std::vector<std::byte> bytes_of(std::span<const std::uint8_t> values) {
-    const auto bytes = std::as_bytes(values);
-    return {bytes.begin(), bytes.end()};
-}
-
-TEST(Image, PngKeepsEveryByteIncludingAlpha) {
-    const Image image = gradient(7, 3);
-    const auto png = encode_png(image);
-    ASSERT_TRUE(png);
-    const auto back = decode_image(*png);
-    ASSERT_TRUE(back) << back.error().message;
-    EXPECT_EQ(back->width, 7u);
-    EXPECT_EQ(back->height, 3u);
-    EXPECT_EQ(back->rgba, image.rgba);
-}
-
 TEST(Image, WritesAndReadsAFile) {
     const auto path = std::filesystem::path(::testing::TempDir()) / "lodestream_image_test.png";
     ASSERT_TRUE(write_png(path, gradient(4, 5)));
@@ -61,49 +45,6 @@ TEST(Image, RefusesAnEmptyOneAndOneWithMissingPixels) {
     EXPECT_FALSE(encode_png(short_one));
     EXPECT_FALSE(compare(short_one, short_one));
     EXPECT_FALSE(compare(gradient(2, 2), gradient(2, 3)));
-}
-
-TEST(Image, RefusesTruncatedPngAtEveryLengthOrDecodesItWhole) {
-    const auto png = encode_png(gradient(16, 16));
-    ASSERT_TRUE(png);
-    for (std::size_t size = 0; size < png->size(); ++size) {
-        const auto image = decode_image(std::span(*png).first(size));
-        EXPECT_TRUE(!image || image->rgba.size() == 16u * 16u * 4u) << size;
-        EXPECT_TRUE(!image || size >= png->size() / 2) << size;
-    }
-}
-
-TEST(Image, SurvivesEveryFlippedByte) {
-    const auto png = encode_png(gradient(8, 8));
-    ASSERT_TRUE(png);
-    for (std::size_t i = 0; i < png->size(); ++i)
-        for (const int bit : {1, 128, 255}) {
-            auto damaged = *png;
-            damaged[i] ^= static_cast<std::byte>(bit);
-            const auto image = decode_image(damaged);
-            EXPECT_TRUE(!image || image->rgba.size() == image->pixels() * 4) << i;
-        }
-}
-
-TEST(Image, RefusesAPngThatDeclaresMorePixelsThanTheLimit) {
-    auto png = encode_png(gradient(1, 1));
-    ASSERT_TRUE(png);
-    for (const std::size_t offset :
-         {16u, 20u}) {  // width and height in IHDR: 0x4000 = 16384 is a legal side, the area is not
-        (*png)[offset + 2] = std::byte{0x40};
-        (*png)[offset + 3] = std::byte{0};
-    }
-    const auto image = decode_image(*png);
-    ASSERT_FALSE(image);
-    EXPECT_EQ(image.error().code, ErrorCode::limit_exceeded);
-}
-
-TEST(Image, RefusesBytesThatAreNoImage) {
-    EXPECT_FALSE(decode_image({}));
-    const std::array<std::uint8_t, 12> text{'n', 'o', 't', ' ', 'a', ' ', 'p', 'n', 'g', '!', '!', '!'};
-    const auto image = decode_image(bytes_of(text));
-    ASSERT_FALSE(image);
-    EXPECT_EQ(image.error().code, ErrorCode::invalid_input);
 }
 
 TEST(Compare, EqualImagesHaveNoErrorAndTheHighestPsnr) {

@@ -362,9 +362,9 @@ TEST_F(RendererTest, RefusesPicturesWithoutPixelsAndTooLargeOnes) {
     EXPECT_EQ(code({.width = 5, .height = 5, .samples = 0}), ErrorCode::invalid_input);
     EXPECT_EQ(code({.width = 5, .height = 5, .samples = 9}), ErrorCode::invalid_input);
     EXPECT_EQ(code({.width = 5, .height = 5, .frames = 0}), ErrorCode::invalid_input);
-    EXPECT_EQ(code({.width = max_image_side + 1, .height = 1}), ErrorCode::limit_exceeded);
+    EXPECT_EQ(code({.width = image::max_side + 1, .height = 1}), ErrorCode::limit_exceeded);
     EXPECT_EQ(code({.width = 4'000'000'000u, .height = 4'000'000'000u}), ErrorCode::limit_exceeded);
-    EXPECT_EQ(code({.width = max_image_side, .height = max_image_side}), ErrorCode::limit_exceeded);
+    EXPECT_EQ(code({.width = image::max_side, .height = image::max_side}), ErrorCode::limit_exceeded);
 }
 
 TEST_F(RendererTest, RefusesAViewThatLooksNowhere) {

@@ -156,6 +156,25 @@ TEST(Network, SizesAreInterpolatedAndContinued) {
     EXPECT_EQ(triangles_within_bytes(AssetCost{}, 10), infinity);
 }
 
+TEST(Budget, FixedBytesAreTheNetworksAndNotTheTriangles) {
+    Request request;
+    request.device.cpu_mhz = 1e6;
+    request.network = Network{0.08, 0.0, 1.0};  // 10,000 bytes
+    AssetCost cost{1'000'000, {{1'000'000, 10'000'000}, {100, 1'000}}, 1.0, 0};
+    EXPECT_EQ(derive_budget(request, cost)->triangles, 1'000u);
+    cost.fixed_bytes = 5'000;
+    EXPECT_EQ(derive_budget(request, cost)->triangles, 500u);
+    EXPECT_DOUBLE_EQ(network_excess(request, cost, 10'000), 1.0);
+    EXPECT_DOUBLE_EQ(network_excess(request, cost, 15'000), 2.0);
+    EXPECT_DOUBLE_EQ(network_bytes(request), 10'000.0);
+    cost.fixed_bytes = 20'000;
+    EXPECT_EQ(derive_budget(request, cost)->triangles, 1u);
+    EXPECT_FALSE(derive_budget(request, cost)->feasible);
+    request.network.reset();
+    EXPECT_EQ(network_excess(request, cost, 10'000), 0.0);
+    EXPECT_EQ(network_bytes(request), infinity);
+}
+
 TEST(Network, EqualSizesDoNotDivideByZero) {
     const AssetCost cost{10, {{10, 700}, {5, 700}}, 1.0};
     EXPECT_TRUE(std::isfinite(triangles_within_bytes(cost, 700)));

@@ -355,6 +355,30 @@ TEST(LevelCodec, LeavesOutWhatNoTriangleUses) {
     EXPECT_GT(saved_by(coded.encoded, "texture coordinates without a texture"), 0u);
 }
 
+TEST(LevelCodec, SmallerImagesGoInPlaceOfTheModelsAndAreListed) {
+    Model model = model_of_one_material();
+    model.mesh = testing::sphere(6);
+    model.mesh.texture_coordinates.assign(model.mesh.positions.size(), Vec2f(0.5f, 0.25f));
+    model.images.push_back(png_image());
+    model.images[0].bytes.resize(1000);
+    model.materials[0].base_color_texture.image = 0;
+    const mesh::Image smaller = png_image();
+    EncodeOptions options = options_for(model.mesh);
+    options.images = {{&smaller, 600}};
+    const Result<Encoded> encoded = encode_level(model, model.mesh, shaded(model.mesh, 1), options);
+    ASSERT_TRUE(encoded.ok()) << encoded.error().message;
+    EXPECT_EQ(encoded->texture_bytes, smaller.bytes.size());
+    EXPECT_EQ(saved_by(*encoded, "texels below a pixel"), 600u);
+    EXPECT_EQ(saved_by(*encoded, "texels beyond the network"), 1000 - smaller.bytes.size() - 600);
+    EXPECT_EQ(decode_level(encoded->glb)->images[0].bytes, smaller.bytes);
+
+    options.images.resize(2);
+    EXPECT_EQ(encode_level(model, model.mesh, shaded(model.mesh, 1), options).error().code, ErrorCode::invalid_input);
+    const mesh::Image no_image{"image/png", std::vector<std::byte>(9), 1, 1};
+    options.images = {{&no_image, 0}};
+    EXPECT_EQ(encode_level(model, model.mesh, shaded(model.mesh, 1), options).error().code, ErrorCode::invalid_input);
+}
+
 TEST(LevelCodec, MaterialsImagesOriginAndExtrasArriveUnchanged) {
     Mesh level = testing::sphere(6);
     level.texture_coordinates.assign(level.positions.size(), Vec2f(0.25f, 0.75f));

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "common/mesh/operations.h"
+#include "server/bake/textures.h"
+#include "tests/common/texture/textured.h"
 #include "tests/support/meshes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -94,6 +96,41 @@ TEST_F(BakeTest, EveryRungIsInTheStoreUnderItsUrl) {
         EXPECT_EQ(content_url(content->file.hash), level.url);
         EXPECT_EQ(content->file.bytes, level.bytes);
     }
+}
+
+mesh::Model textured_model() {
+    mesh::Model model = texture::square_with(texture::jpeg_of(texture::noise(256, 256)));
+    model.mesh = testing::sphere(24);
+    for (const Vec3f& p : model.mesh.positions) model.mesh.texture_coordinates.emplace_back(8 * p.x, 8 * p.y);
+    return model;
+}
+
+TEST_F(BakeTest, TexturesShrinkWithTheLevelsErrorAndComeBackFromTheStore) {
+    const mesh::Model model = textured_model();
+    const Result<proto::Asset> asset = bake(store, named("textured"), model);
+    ASSERT_TRUE(asset.ok()) << asset.error().message;
+    EXPECT_EQ(asset->levels.front().texture_bytes, model.images[0].bytes.size());
+    EXPECT_LT(asset->levels.back().texture_bytes, model.images[0].bytes.size() / 4);
+    const Result<texture::Ladder> stored = load_textures(store, "textured", 1);
+    const Result<texture::Ladder> made = texture::make_ladder(model);
+    ASSERT_TRUE(stored.ok() && made.ok());
+    ASSERT_EQ((*stored)[0].size(), (*made)[0].size());
+    for (std::size_t i = 0; i < (*made)[0].size(); ++i) {
+        EXPECT_EQ((*stored)[0][i].halvings, (*made)[0][i].halvings);
+        EXPECT_EQ((*stored)[0][i].image.bytes, (*made)[0][i].image.bytes);
+        EXPECT_EQ((*stored)[0][i].image.media_type, (*made)[0][i].image.media_type);
+        EXPECT_EQ((*stored)[0][i].image.width, (*made)[0][i].image.width);
+    }
+}
+
+TEST_F(BakeTest, ADamagedImageIsKeptWithAWarning) {
+    mesh::Model model = textured_model();
+    model.images[0].bytes.resize(300);
+    const Result<proto::Asset> asset = bake(store, named("damaged"), model);
+    ASSERT_TRUE(asset.ok()) << asset.error().message;
+    ASSERT_FALSE(asset->warnings.empty());
+    EXPECT_NE(asset->warnings.back().find("image 0 is sent as it is"), std::string::npos);
+    EXPECT_EQ(asset->levels.back().texture_bytes, 300u);
 }
 
 TEST_F(BakeTest, OneTriangleIsALadderOfOne) {

@@ -8,6 +8,7 @@
 #include "common/codec/level_codec.h"
 #include "server/bake/bake.h"
 #include "server/samples/samples.h"
+#include "tests/common/texture/textured.h"
 #include "tests/support/meshes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -27,6 +28,10 @@ struct Baked {
         hills.mesh.normals.assign(hills.mesh.positions.size(), {0, 1, 0});
         hills.materials.resize(1);
         add("hills", hills);
+        mesh::Model painted = texture::square_with(texture::jpeg_of(texture::noise(512, 512)));
+        painted.mesh = hills.mesh;
+        for (const Vec3f& p : painted.mesh.positions) painted.mesh.texture_coordinates.emplace_back(p.x / 40, p.z / 40);
+        add("painted", painted);
         proto::Asset baking;
         baking.id = baking.name = "baking";
         EXPECT_TRUE(store.put_asset(baking).ok());
@@ -171,6 +176,48 @@ TEST(Planner, ContentFitsTheNetwork) {
         EXPECT_EQ(plan.budget.limited_by, "network");
         EXPECT_LE(static_cast<double>(plan.content.bytes) * 8 / (mbps * 1e6) + 0.1, 1.0 + 1e-9);
     }
+}
+
+std::uint64_t left_out(const proto::PlanResponse& plan, const std::string& what) {
+    for (const proto::LeftOut& item : plan.left_out)
+        if (item.what == what) return item.bytes;
+    return 0;
+}
+
+TEST(Planner, SendsNoTexelsBelowAPixelOfTheDisplay) {
+    proto::PlanRequest request = request_for("painted", 34000);
+    const proto::PlanResponse whole = *baked().planner.plan(request);
+    EXPECT_EQ(left_out(whole, "texels below a pixel"), 0u);
+    request.budget.display = budget::Display{160, 120};
+    request.budget.preference.triangles = 1000;
+    const proto::PlanResponse small = *baked().planner.plan(request);
+    EXPECT_GT(left_out(small, "texels below a pixel"), whole.content.bytes / 2);
+    EXPECT_EQ(left_out(small, "texels beyond the network"), 0u);
+    const Result<codec::Decoded> level = codec::decode_level(bytes_of(small));
+    ASSERT_TRUE(level.ok());
+    EXPECT_LT(level->images.at(0).width, 512u);
+    EXPECT_GE(level->images.at(0).width, 60u);
+    EXPECT_EQ(baked().planner.plan(request)->content.url, small.content.url);
+}
+
+// The images get half of the network, so that the triangles are not left with nothing.
+TEST(Planner, TexturesLeaveTheTrianglesTheirShareOfTheNetwork) {
+    for (const double kilobytes : {4.0, 5.0, 6.0}) {
+        proto::PlanRequest request = request_for("painted", 34000);
+        request.budget.network = budget::Network{kilobytes * 8 / 1000, 0, 1};
+        const proto::PlanResponse plan = *baked().planner.plan(request);
+        EXPECT_EQ(plan.budget.limited_by, "network");
+        EXPECT_TRUE(plan.budget.feasible);
+        EXPECT_GT(plan.level.triangles, 50u) << kilobytes;
+        EXPECT_LE(static_cast<double>(plan.content.bytes), 1000 * kilobytes);
+        EXPECT_GT(left_out(plan, "texels beyond the network"), 0u);
+    }
+}
+
+TEST(Planner, ACutHasImagesThatFitItsError) {
+    const Result<Planner::Cut> cut = baked().planner.cut("painted", 2);
+    ASSERT_TRUE(cut.ok());
+    EXPECT_LT(cut->model.images.at(0).width, 512u);
 }
 
 TEST(Planner, InfeasibleGetsTheLeastThereIsAndSaysSo) {
