@@ -1,0 +1,30 @@
+#include "tests/bench/engine.h"
+
+#include <stdexcept>
+
+#include "tests/bench/methods.h"
+
+namespace lodestream::bench {
+
+Recording record(const mesh::Mesh& mesh) {
+    Result<simplify::History> history = simplify::record_history(mesh);
+    if (!history) throw std::runtime_error(history.error().message);
+    return {&mesh, std::move(*history)};
+}
+
+mesh::Mesh cut(const Recording& recording, std::uint64_t triangles) {
+    return simplify::cut(*recording.source, recording.history, triangles);
+}
+
+Run run_ours(const mesh::Mesh& mesh, const std::vector<std::uint64_t>& counts) {
+    Run run;
+    const Stopwatch recording_time;
+    const Recording recording = record(mesh);
+    const Duration recorded = recording_time.elapsed();
+    const Stopwatch cut_time;
+    for (const std::uint64_t count : counts) run.levels.push_back({cut(recording, count), recorded});
+    run.cut = cut_time.elapsed();
+    return run;
+}
+
+}  // namespace lodestream::bench

@@ -1,0 +1,20 @@
+// All that the benchmarks know of common/simplify.
+#pragma once
+
+#include <cstdint>
+
+#include "common/mesh/mesh.h"
+#include "common/simplify/history.h"
+
+namespace lodestream::bench {
+
+struct Recording {
+    const mesh::Mesh* source = nullptr;
+    simplify::History history;
+};
+
+// Terminates with the error's message where the engine refuses. `mesh` must outlive the recording.
+Recording record(const mesh::Mesh& mesh);
+mesh::Mesh cut(const Recording& recording, std::uint64_t triangles);
+
+}  // namespace lodestream::bench
