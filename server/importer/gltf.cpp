@@ -100,7 +100,7 @@ class Reader {
         const Result<GltfPrimitive> primitive =
             read_primitive(from, weights, use->coordinates, accessors_, source_.limits);
         if (!primitive) return primitive.error();
-        if (!from.targets.empty()) soup_.warn("morph targets taken at their default weights");
+        if (!from.targets.empty()) soup_.warn("morph targets taken in the rest pose: at their default weights");
         soup_.other_primitives += primitive->points_and_lines;
         const std::uint64_t copies = instances.size();
         if (const Status fits = admit(soup_.positions.size() + copies * primitive->positions.size(),

@@ -192,40 +192,99 @@ TEST(ServerProgram, KeepsItsAssetsAcrossARestart) {
     EXPECT_EQ(server.call("POST", "/v1/plans", plan_for("field", 50)).status, 200);
 }
 
-TEST(ServerProgram, IsConsistentAfterAKillInTheMiddleOfABake) {
+// The killed process's bake has begun when it tells progress.
+void wait_for_progress(Server& server, const std::string& id) {
+    const auto deadline = std::chrono::steady_clock::now() + patience;
+    while (std::chrono::steady_clock::now() < deadline) {
+        const json asset = server.get("/v1/assets/" + id);
+        if (asset["status"] != "baking" || asset["progress"] > 0.0) return;
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+}
+
+void kill_while_baking(Server& server, const std::string& id) {
+    wait_for_progress(server, id);
+    ASSERT_EQ(server.get("/v1/assets/" + id)["status"], "baking");
+    server.signal(SIGKILL);
+    EXPECT_EQ(server.wait(), -SIGKILL);
+}
+
+TEST(ServerProgram, GoesOnWithABakeAfterAKill) {
     testing::TemporaryFolder folder;
     const fs::path store = folder.path() / "store";
-    for (int round = 0; round < 3; ++round) {
+    {
         Server server(store);
-        if (round > 0) {
-            const json asset = server.get("/v1/assets/field");
-            EXPECT_EQ(asset["status"], "failed");
-            EXPECT_THAT(asset["error"].get<std::string>(), HasSubstr("stopped during the bake"));
-        }
-        ASSERT_EQ(server.call("POST", "/v1/assets?name=field", field(150)).status, 202);
-        std::this_thread::sleep_for(std::chrono::milliseconds(40 * round));
-        ASSERT_EQ(server.get("/v1/assets/field")["status"], "baking");
-        server.signal(SIGKILL);
-        EXPECT_EQ(server.wait(), -SIGKILL);
+        ASSERT_EQ(server.call("POST", "/v1/assets?name=field", field(300)).status, 202);
+        kill_while_baking(server, "field");
     }
     Server server(store);
     EXPECT_TRUE(fs::is_empty(store / "incoming"));
-    ASSERT_EQ(server.call("POST", "/v1/assets?name=field", field(12)).status, 202);
+    EXPECT_EQ(server.call("POST", "/v1/plans", plan_for("field", 300)).status, 200);  // first levels are still there
     const json asset = server.wait_for("field");
     ASSERT_EQ(asset["status"], "ready") << asset;
+    EXPECT_EQ(asset["triangles"], 180000);
     for (const json& level : asset["levels"]) EXPECT_EQ(server.call("GET", level["url"]).body.size(), level["bytes"]);
 }
 
-TEST(ServerProgram, StopsInTheMiddleOfABake) {
+TEST(ServerProgram, ABakeThatEndsTheProgramTwiceIsGivenUp) {
     testing::TemporaryFolder folder;
+    const fs::path store = folder.path() / "store";
     {
+        Server server(store);
+        ASSERT_EQ(server.call("POST", "/v1/assets?name=field", field(300)).status, 202);
+        kill_while_baking(server, "field");
+    }
+    {
+        Server server(store);
+        kill_while_baking(server, "field");
+    }
+    Server server(store);
+    EXPECT_EQ(server.get("/v1/assets/field")["status"], "failed");
+    EXPECT_THAT(server.get("/v1/assets/field")["error"].get<std::string>(), HasSubstr("ended the program 2 times"));
+    ASSERT_EQ(server.call("POST", "/v1/assets?name=field", field(12)).status, 202);
+    EXPECT_EQ(server.wait_for("field")["status"], "ready");
+}
+
+TEST(ServerProgram, GoesOnAfterAStopInTheMiddleOfABake) {
+    testing::TemporaryFolder folder;
+    for (int stops = 0; stops < 3; ++stops) {
         Server server(folder.path() / "store");
-        ASSERT_EQ(server.call("POST", "/v1/assets?name=field", field(150)).status, 202);
+        if (stops == 0) {
+            ASSERT_EQ(server.call("POST", "/v1/assets?name=field", field(300)).status, 202);
+        }
+        wait_for_progress(server, "field");
         server.signal(SIGTERM);
         EXPECT_EQ(server.wait(), 0);
     }
     Server server(folder.path() / "store");
-    EXPECT_THAT(server.get("/v1/assets/field")["error"].get<std::string>(), HasSubstr("stopped during the bake"));
+    EXPECT_EQ(server.wait_for("field")["status"], "ready");
+}
+
+TEST(ServerProgram, TheCommandGoesOnWithWhatAServerLeft) {
+    testing::TemporaryFolder folder;
+    const std::string store = (folder.path() / "store").string();
+    {
+        Server server(store);
+        ASSERT_EQ(server.call("POST", "/v1/assets?name=field", field(300)).status, 202);
+        kill_while_baking(server, "field");
+    }
+    Program bake({"bake", "--resume", "--store", store, "--json"});
+    EXPECT_EQ(json::parse(bake.read_line())["asset"], "field");
+    EXPECT_EQ(bake.wait(), 0);
+    Program nothing({"bake", "--store", store});
+    EXPECT_EQ(nothing.wait(), 2);
+}
+
+TEST(ServerProgram, CtrlCCancelsABake) {
+    testing::TemporaryFolder folder;
+    const std::string store = (folder.path() / "store").string();
+    Program bake({"bake", "sample:terrain:200000", "sample:teapot", "--store", store});
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    bake.signal(SIGINT);
+    EXPECT_EQ(bake.read_line(), "");
+    EXPECT_EQ(bake.wait(), 1);
+    Server server(store);
+    for (const json& asset : server.get("/v1/assets")["assets"]) EXPECT_EQ(asset["status"], "failed");
 }
 
 TEST(ServerProgram, AsksForItsToken) {

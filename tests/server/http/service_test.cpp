@@ -400,21 +400,57 @@ TEST(BakeQueue, TellsProgressThatRises) {
     EXPECT_EQ(json_of(harness.get("/v1/assets/field"))["progress"], 1.0);
 }
 
-TEST(BakeQueue, StoppingLeavesNothingBaking) {
+TEST(BakeQueue, AStopLeavesBakesThatTheNextStartGoesOnWith) {
     testing::TemporaryFolder folder;
-    store::Store store = open_store(folder.path() / "store");
-    planner::Planner planner(store);
     {
+        store::Store store = open_store(folder.path() / "store");
+        planner::Planner planner(store);
         BakeQueue bakes(store, planner);
         ASSERT_TRUE(bakes.submit("a", std::filesystem::path("sample:terrain:40000")));
         for (const char* name : {"b", "c"}) ASSERT_TRUE(bakes.submit(name, std::filesystem::path("sample:teapot:512")));
     }
+    store::Store store = open_store(folder.path() / "store");
     const auto assets = store.assets();
     ASSERT_EQ(assets->size(), 3u);
-    for (const proto::Asset& asset : *assets) {
-        EXPECT_EQ(asset.status, proto::AssetStatus::failed) << asset.id;
-        EXPECT_THAT(asset.error, HasSubstr("stopped during the bake"));
-    }
+    for (const proto::Asset& asset : *assets) EXPECT_NE(asset.status, proto::AssetStatus::failed) << asset.error;
+    EXPECT_EQ(store.asset("a")->status, proto::AssetStatus::baking);
+    planner::Planner planner(store);
+    BakeQueue bakes(store, planner);
+    bakes.wait_until_idle();
+    for (const char* id : {"a", "b", "c"}) EXPECT_EQ(store.asset(id)->status, proto::AssetStatus::ready) << id;
+}
+
+TEST(BakeQueue, WaitingAssetsHaveFirstLevels) {
+    Harness harness;
+    ASSERT_TRUE(harness.bakes.submit("first", std::filesystem::path("sample:terrain:40000")));
+    ASSERT_TRUE(harness.bakes.submit("second", std::filesystem::path("sample:terrain:30000")));
+    const Response plan = harness.call("POST", "/v1/plans", R"({"asset":"second","device":{"cpu_mhz":300}})");
+    ASSERT_EQ(plan.status, 200) << plan.body;
+    EXPECT_EQ(plan.headers.at("cache-control"), "no-store");
+    EXPECT_THAT(json_of(plan)["warnings"][0].get<std::string>(), HasSubstr("a first level"));
+    EXPECT_EQ(harness.get(json_of(plan)["content"]["url"]).file_length, json_of(plan)["content"]["bytes"]);
+    EXPECT_EQ(json_of(harness.get("/v1/assets/second"))["levels"].size(), 3u);
+    expect_problem(harness.get("/v1/assets/second/tileset.json"), 503, "baking");
+}
+
+TEST(BakeQueue, RefusesWhatNeedsMoreMemoryThanItMay) {
+    testing::TemporaryFolder folder;
+    store::Store store = open_store(folder.path() / "store");
+    planner::Planner planner(store);
+    bake::Limits limits;
+    limits.max_memory_bytes = 1'000'000;
+    BakeQueue bakes(store, planner, limits);
+    const auto refused = bakes.submit("a", std::filesystem::path("sample:terrain:40000"));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::limit_exceeded);
+    EXPECT_TRUE(store.assets()->empty());
+    EXPECT_TRUE(bakes.submit("b", std::filesystem::path("sample:teapot:512")));
+}
+
+TEST(BakeQueue, OriginIsKeptWithTheAsset) {
+    Harness harness;
+    ASSERT_TRUE(harness.bakes.submit("a", std::filesystem::path("sample:teapot:512"), "from there"));
+    EXPECT_EQ(harness.store.content("a", BakeQueue::origin_key)->record, "from there");
 }
 
 TEST(BakeQueue, OneNameIsSubmittedOnceHoweverManyTry) {

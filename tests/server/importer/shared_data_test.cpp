@@ -99,5 +99,23 @@ TEST(SharedData, KnownModelsHaveTheirKnownTriangleCounts) {
     }
 }
 
+// What moves is taken as it rests, and the model says so.
+TEST(SharedData, SkinnedMorphedAndAnimatedModelsWarnOfTheirRestPose) {
+    LODESTREAM_NEED_SHARED_DATA();
+    const fs::path gltf = testing::shared_data() / "gltf";
+    const auto warning = [](const fs::path& file, const std::string& what) {
+        const Result<mesh::Model> model = import_file(file);
+        if (!model) return model.error().message;
+        for (const std::string& line : model.warnings)
+            if (line.find(what) != std::string::npos && line.find("rest pose") != std::string::npos)
+                return std::string("warned");
+        return "no warning of " + what;
+    };
+    for (const fs::path& file : {gltf / "CesiumMan.glb", gltf / "Fox" / "Fox.gltf"})
+        for (const char* what : {"skins", "animations"}) EXPECT_EQ(warning(file, what), "warned") << file;
+    for (const char* what : {"morph targets", "animations"})
+        EXPECT_EQ(warning(gltf / "MorphStressTest" / "MorphStressTest.gltf", what), "warned");
+}
+
 }  // namespace
 }  // namespace lodestream::importer

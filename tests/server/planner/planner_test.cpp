@@ -32,6 +32,12 @@ struct Baked {
         painted.mesh = hills.mesh;
         for (const Vec3f& p : painted.mesh.positions) painted.mesh.texture_coordinates.emplace_back(p.x / 40, p.z / 40);
         add("painted", painted);
+        mesh::Model ball;
+        ball.mesh = testing::sphere(80);
+        ball.materials.resize(1);
+        proto::Asset prepared;
+        prepared.id = prepared.name = "prepared";
+        EXPECT_TRUE(::lodestream::bake::prepare(store, prepared, ball).ok());
         proto::Asset baking;
         baking.id = baking.name = "baking";
         EXPECT_TRUE(store.put_asset(baking).ok());
@@ -249,6 +255,61 @@ TEST(Planner, ExtremeViewsGiveFiniteAnswers) {
         EXPECT_TRUE(std::isfinite(plan->level.screen_space_error_px));
         EXPECT_TRUE(std::isfinite(plan->shading.distance));
     }
+}
+
+TEST(Planner, AnAssetThatBakesAnswersWithItsFinestFirstLevelWithinTheBudget) {
+    const proto::Asset asset = *baked().store.asset("prepared");
+    for (const double mhz : {34000.0, 400.0, 100.0}) {
+        const Result<proto::PlanResponse> plan = baked().planner.plan(request_for("prepared", mhz));
+        ASSERT_TRUE(plan.ok()) << plan.error().message;
+        const auto level = std::find_if(asset.levels.begin(), asset.levels.end(),
+                                        [&](const proto::Level& l) { return l.triangles <= plan->budget.triangles; });
+        EXPECT_EQ(plan->level.triangles, level->triangles);
+        EXPECT_EQ(plan->content.url, level->url);
+        EXPECT_EQ(plan->content.bytes, bytes_of(*plan).size());
+        EXPECT_EQ(plan->shading.gouraud + plan->shading.flat, plan->level.triangles);
+        EXPECT_EQ(plan->shading.mode, "gouraud");
+        EXPECT_GT(plan->level.rms_error, 0.0);
+        EXPECT_GT(plan->level.screen_space_error_px, 0.0);
+        ASSERT_EQ(plan->warnings.size(), 1u);
+        EXPECT_NE(plan->warnings[0].find("a first level"), std::string::npos);
+    }
+}
+
+TEST(Planner, AFirstLevelThatTheNetworkCarriesIsPreferred) {
+    proto::PlanRequest request = request_for("prepared", 34000);
+    const proto::Asset asset = *baked().store.asset("prepared");
+    const auto mbps = [](std::uint64_t bytes) { return static_cast<double>(bytes) * 8e-6 * 1.01; };  // in one second
+    request.budget.network = budget::Network{mbps(asset.levels[1].bytes), 0, 1};
+    EXPECT_EQ(baked().planner.plan(request)->content.url, asset.levels[1].url);
+}
+
+TEST(Planner, WhatIsTooSmallForAnyFirstLevelWaits) {
+    const Result<proto::PlanResponse> plan = baked().planner.plan(request_for("prepared", 1));
+    ASSERT_FALSE(plan.ok());
+    EXPECT_EQ(plan.error().code, ErrorCode::unavailable);
+}
+
+TEST(Planner, AFirstLevelIsNotTheAnswerOnceTheBakeIsDone) {
+    testing::TemporaryFolder folder;
+    store::Store store = *store::Store::open(folder.path());
+    Planner planner(store);
+    mesh::Model ball;
+    ball.mesh = testing::sphere(60);
+    ball.materials.resize(1);
+    proto::Asset asset;
+    asset.id = asset.name = "ball";
+    ASSERT_TRUE(::lodestream::bake::prepare(store, asset, ball).ok());
+    const proto::PlanResponse before = *planner.plan(request_for("ball", 500));
+    ASSERT_TRUE(::lodestream::bake::bake_prepared(store, "ball").ok());
+    const proto::PlanResponse after = *planner.plan(request_for("ball", 500));
+    EXPECT_LT(before.level.triangles, 1001u);
+    EXPECT_EQ(after.budget.triangles, before.budget.triangles);
+    EXPECT_GE(after.level.triangles + 1, after.budget.triangles);
+    EXPECT_LT(after.level.rms_error, before.level.rms_error);
+    EXPECT_TRUE(after.warnings.empty() || after.warnings[0].find("first level") == std::string::npos);
+    const std::string hash = before.content.url.substr(before.content.url.rfind('/') + 1, 64);
+    EXPECT_TRUE(store.file(hash, "glb").ok());  // whoever was sent there still finds it
 }
 
 }  // namespace

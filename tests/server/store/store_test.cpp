@@ -290,6 +290,46 @@ TEST_F(StoreTest, RefusesAStoreOfANewerVersion) {
     EXPECT_THAT(store.error().message, HasSubstr("newer version"));
 }
 
+TEST_F(StoreTest, AnInterruptedBakeWithItsModelCanBeGoneOnWith) {
+    {
+        Store store = open();
+        ASSERT_TRUE(store.put_asset(asset_named("a", "a", proto::AssetStatus::baking)));
+        ASSERT_TRUE(store.put_content("a", imported_key, "model", bytes_of("mesh"), "1"));
+        ASSERT_TRUE(store.put_asset(asset_named("b", "b", proto::AssetStatus::baking)));
+        EXPECT_TRUE(store.interrupted().empty());
+    }
+    Store store = open();
+    EXPECT_EQ(store.interrupted(), std::vector<std::string>{"a"});
+    EXPECT_EQ(store.asset("a")->status, proto::AssetStatus::baking);
+    EXPECT_EQ(store.asset("b")->status, proto::AssetStatus::failed);
+    EXPECT_TRUE(open().interrupted().empty());  // the first one may be at it
+}
+
+TEST_F(StoreTest, ARecordChangesAlone) {
+    Store store = open();
+    ASSERT_TRUE(store.put_asset(asset_named("a", "a")));
+    ASSERT_TRUE(store.put_content("a", "k", "bin", bytes_of("abc"), "old"));
+    EXPECT_TRUE(store.set_record("a", "k", "new"));
+    EXPECT_EQ(store.content("a", "k")->record, "new");
+    EXPECT_EQ(store.content("a", "k")->file.hash, sha256_of_abc);
+    EXPECT_EQ(store.set_record("a", "other", "x").error().code, ErrorCode::not_found);
+    EXPECT_EQ(store.set_record("b", "k", "x").error().code, ErrorCode::not_found);
+}
+
+TEST_F(StoreTest, RemovedContentTakesItsFileUnlessItIsNamedElsewhere) {
+    Store store = open();
+    for (const char* id : {"a", "b"}) {
+        ASSERT_TRUE(store.put_asset(asset_named(id, id)));
+        ASSERT_TRUE(store.put_content(id, "k", "bin", bytes_of("abc")));
+    }
+    EXPECT_TRUE(store.remove_content("a", "k"));
+    EXPECT_FALSE(store.content("a", "k"));
+    EXPECT_EQ(files_below(content()), 1u);
+    EXPECT_TRUE(store.remove_content("b", "k"));
+    EXPECT_EQ(files_below(content()), 0u);
+    EXPECT_TRUE(store.remove_content("b", "k"));
+}
+
 TEST_F(StoreTest, RefusesWhatIsNotAStore) {
     fs::create_directories(folder());
     std::ofstream(folder() / "catalogue.sqlite") << std::string(5000, 'x');
