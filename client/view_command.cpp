@@ -154,6 +154,8 @@ Status view(const ViewArguments& arguments) {
     const auto drawn = draw(loaded->content, seen, display);
     if (!drawn) return drawn.error();
     if (auto written = render::write_png(arguments.out, drawn->frame.image); !written) return written;
+    for (const std::string& warning : loaded->plan.warnings)
+        std::fprintf(stderr, "lodestream-client: %s\n", warning.c_str());
     for (const std::string& warning : drawn.warnings) std::fprintf(stderr, "lodestream-client: %s\n", warning.c_str());
     if (arguments.json)
         print_json(*loaded, *drawn, arguments);

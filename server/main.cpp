@@ -13,6 +13,19 @@ using namespace lodestream;
 constexpr int exit_failed = 1;
 constexpr int exit_usage = 2;
 
+constexpr double bytes_per_mb = 1e6;
+
+void add_limits(CLI::App* app, bake::Limits& limits) {
+    app->add_option("--max-bake-s", limits.max_bake_s, "Seconds that one bake may take")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
+    app->add_option_function<double>(
+           "--max-memory-mb",
+           [&limits](double mb) { limits.max_memory_bytes = static_cast<std::uint64_t>(mb * bytes_per_mb); },
+           "Memory that one bake may need; left out: three quarters of the machine's")
+        ->check(CLI::Range(1.0, 1e9));
+}
+
 int run(int argc, char** argv) {
     CLI::App app{
         "Lodestream server: one model, every device. Bakes 3D models and serves each device the level it can show."};
@@ -34,18 +47,22 @@ int run(int argc, char** argv) {
     serve_app->add_flag("--samples", serve.samples, "Also serve the built-in teapot, terrain and ship");
     serve_app->add_option("--threads", serve.threads, "Threads that serve; 0: one a core")->check(CLI::Range(0, 1024));
     serve_app->add_option("--token-file", serve.token_file, "File with the token that uploads and removals need");
+    add_limits(serve_app, serve.limits);
     serve_app->set_config("--config", "", "File with these options as KEY=VALUE lines (TOML or INI)");
     serve_app->callback([&] { command = [&] { return cli::serve(serve); }; });
 
     cli::BakeArguments bake;
     CLI::App* bake_app = app.add_subcommand("bake", "Import and bake models without a server");
-    bake_app
-        ->add_option("INPUT", bake.inputs,
-                     "Model files, or sample:teapot[:TRIANGLES], sample:terrain[:VERTICES], sample:ship[:OBJECTS]")
-        ->required();
+    bake_app->add_option("INPUT", bake.inputs,
+                         "Model files, or sample:teapot[:TRIANGLES], sample:terrain[:VERTICES], sample:ship[:OBJECTS]");
     bake_app->add_option("--store", bake.store, "Folder of the store; made where missing")->required();
     bake_app->add_flag("--json", bake.json, "Print one JSON object an input");
-    bake_app->callback([&] { command = [&] { return cli::bake(bake); }; });
+    bake_app->add_flag("--resume", bake.resume, "First go on with bakes that a crash or stop cut off");
+    add_limits(bake_app, bake.limits);
+    bake_app->callback([&] {
+        if (bake.inputs.empty() && !bake.resume) throw CLI::RequiredError("INPUT");
+        command = [&] { return cli::bake(bake); };
+    });
 
     cli::CutArguments cut;
     CLI::App* cut_app = app.add_subcommand("cut", "Write the level of at most N triangles of a baked asset");

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <exception>
 #include <mutex>
 #include <optional>
@@ -13,7 +14,11 @@
 #include "common/codec/level_codec.h"
 #include "common/mesh/operations.h"
 #include "server/bake/executor.h"
+#include "server/bake/first_levels.h"
+#include "server/bake/source_model.h"
+#include "server/bake/stopwatch.h"
 #include "server/bake/textures.h"
+#include "server/store/mapped_file.h"
 
 namespace lodestream::bake {
 
@@ -22,16 +27,6 @@ namespace {
 // Shares of the progress bar.
 constexpr double recorded_share = 0.5;
 constexpr double measured_share = 0.8;
-
-class Stopwatch {
-  public:
-    double ms() const {
-        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
-    }
-
-  private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 std::uint64_t peak_memory_bytes() {
     rusage usage{};
@@ -106,20 +101,10 @@ Result<proto::Level> make_level(const LevelMaker& maker, std::uint64_t triangles
         maker.store.put_content(maker.asset_id, ladder_key(level.triangles.size()), "glb", encoded->glb);
     if (!file) return file.error();
 
-    proto::Level result;
-    result.triangles = encoded->triangles;
-    result.vertices = encoded->vertices;
-    result.rms_error = error.rms;
-    result.max_error = error.max;
-    result.rms_error_percent = percent_of_diagonal(error.rms, maker.baked.bounds);
-    result.bytes = encoded->glb.size();
-    result.texture_bytes = encoded->texture_bytes;
-    result.encode_ms = encode_ms;
-    result.url = content_url(file->hash);
-    return result;
+    return described_level(*encoded, error, maker.baked.bounds, encode_ms, file->hash);
 }
 
-// The progress bar, moved from several threads; one call at a time.
+// The progress bar, moved from several threads; one call at a time. Ends the bake where the caller or a limit says so.
 class Progress {
   public:
     explicit Progress(const BakeOptions& options) : options_(options) {}
@@ -127,19 +112,35 @@ class Progress {
     bool operator()(double share) {
         const std::lock_guard lock(mutex_);
         shown_ = std::max(shown_, share);
-        cancelled_ = cancelled_ || (options_.progress && !options_.progress(shown_));
-        return !cancelled_;
+        if (!end_) end_ = why_end();
+        return !end_;
     }
     // `done` of `all` steps between two places of the bar. Steps may end in any order.
     bool step(double from, double to, std::size_t done, std::size_t all) {
         return (*this)(from + (to - from) * static_cast<double>(done) / static_cast<double>(all));
     }
+    // Why the bake was ended from outside, if it was.
+    std::optional<Error> end() const { return end_; }
+    bool paused() const { return paused_; }
 
   private:
+    std::optional<Error> why_end() {
+        paused_ = options_.pause && options_.pause();
+        if (paused_) return fail(ErrorCode::unavailable, "the bake was stopped; it goes on after a restart");
+        if (options_.progress && !options_.progress(shown_))
+            return fail(ErrorCode::unavailable, "the bake was cancelled");
+        if (watch_.ms() > 1e3 * options_.limits.max_bake_s)
+            return fail(ErrorCode::limit_exceeded,
+                        "the bake took longer than the limit of " + std::to_string(options_.limits.max_bake_s) + " s");
+        return std::nullopt;
+    }
+
     const BakeOptions& options_;
+    const Stopwatch watch_;
     std::mutex mutex_;
     double shown_ = 0.0;
-    bool cancelled_ = false;
+    bool paused_ = false;
+    std::optional<Error> end_;
 };
 
 // Runs make(counts[i]) for all i side by side; false where the bake was cancelled meanwhile.
@@ -158,12 +159,10 @@ bool make_all(const std::vector<std::uint64_t>& counts, std::vector<Made>& made,
 }
 
 // Everything of a bake that can fail; the caller turns a failure into the asset's status.
-Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::Model model,
-                                 const BakeOptions& options) {
-    Progress progress(options);
-    const Error cancelled = fail(ErrorCode::unavailable, "the bake of '" + asset.name + "' was cancelled");
-
+Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::Model model, Progress& progress) {
+    const Error ended = fail(ErrorCode::unavailable, "the bake was ended");  // Progress knows why
     const Stopwatch watch;
+    if (!progress(0.0)) return ended;
     simplify::RecordOptions recording;
     recording.progress = [&](double share) { return progress(share * recorded_share); };
     recording.executor = all_cores();
@@ -173,23 +172,23 @@ Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::
     model = {};
     set_history(baked, std::move(*history));
     const mesh::Mesh source = simplify::cut(baked.history, simplify::triangle_count(simplify::view(baked.history)));
-    Result<texture::Ladder> ladder = texture::make_ladder(baked.model, baked.image_uses);
+    Result<texture::Ladder> ladder = load_textures(store, asset.id, baked.model.images.size());
     if (!ladder) return ladder.error();
-    asset.warnings.insert(asset.warnings.end(), ladder.warnings.begin(), ladder.warnings.end());
-    if (Status stored = put_textures(store, asset.id, *ladder); !stored) return stored.error();
     const texture::Textures textures = texture::textures_of(*std::move(ladder), baked.image_uses, baked.texel_sizes);
+    if (!progress(recorded_share)) return ended;
 
     const metric::SurfaceIndex original(source);
     const LevelMaker maker{store, asset.id, baked, textures, source, original};
     asset.triangles = simplify::triangle_count(simplify::view(baked.history));
     const auto measure = [&](std::uint64_t triangles) { return measure_level(maker, triangles); };
     if (!make_all(measured_counts(asset.triangles), baked.errors, progress, recorded_share, measured_share, measure))
-        return cancelled;
+        return ended;
     baked.errors = in_order(std::move(baked.errors));
 
     std::vector<std::optional<Result<proto::Level>>> levels;
     const auto make = [&](std::uint64_t triangles) { return make_level(maker, triangles); };
-    if (!make_all(ladder_counts(asset.triangles), levels, progress, measured_share, 1.0, make)) return cancelled;
+    if (!make_all(ladder_counts(asset.triangles), levels, progress, measured_share, 1.0, make)) return ended;
+    asset.levels.clear();
     for (std::optional<Result<proto::Level>>& level : levels) {
         if (!*level) return level->error();
         if (!asset.levels.empty() && asset.levels.back().triangles == (*level)->triangles) continue;
@@ -204,6 +203,71 @@ Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::
     asset.progress = 1.0;
     if (Status stored = store.put_asset(asset); !stored) return stored.error();
     return asset;
+}
+
+Result<mesh::Model> load_source(const store::Store& store, const std::string& asset_id) {
+    Result<store::Store::Content> content = store.content(asset_id, imported_key);
+    if (!content) return content.error();
+    Result<store::MappedFile> file = store::MappedFile::open(content->file.path, content->file.bytes);
+    if (!file) return file.error();
+    return open_source_model(file->bytes());
+}
+
+std::uint32_t starts_of(const store::Store& store, const std::string& asset_id) {
+    const Result<store::Store::Content> content = store.content(asset_id, imported_key);
+    return content ? static_cast<std::uint32_t>(std::strtoul(content->record.c_str(), nullptr, 10)) : 0;
+}
+
+Status mark_failed(store::Store& store, proto::Asset asset, const std::string& why) {
+    asset.status = proto::AssetStatus::failed;
+    asset.error = why;
+    asset.levels.clear();
+    if (Status stored = store.put_asset(asset); !stored) return stored.error();
+    return store.remove_content(asset.id, imported_key);
+}
+
+void describe(proto::Asset& asset, const mesh::Model& model) {
+    asset.kind = mesh::kind_name(model.kind);
+    asset.triangles = model.mesh.triangles.size();
+    asset.vertices = model.mesh.positions.size();
+    const Box box = mesh::bounds(model.mesh);
+    asset.bounds_min = {box.min.x + model.origin.x, box.min.y + model.origin.y, box.min.z + model.origin.z};
+    asset.bounds_max = {box.max.x + model.origin.x, box.max.y + model.origin.y, box.max.z + model.origin.z};
+    asset.status = proto::AssetStatus::baking;
+    asset.levels.clear();
+}
+
+Result<proto::Asset> prepare_stages(store::Store& store, proto::Asset asset, const mesh::Model& model) {
+    const std::string id = asset.id;
+    if (auto kept = store.put_content(id, imported_key, "model", serialize(model), "0"); !kept) return kept.error();
+    std::vector<texture::ImageUse> uses = texture::image_uses(model);
+    Result<texture::Ladder> ladder = texture::make_ladder(model, uses);
+    if (!ladder) return ladder.error();
+    asset.warnings.insert(asset.warnings.end(), ladder.warnings.begin(), ladder.warnings.end());
+    if (Status stored = put_textures(store, id, *ladder); !stored) return stored.error();
+    const texture::Textures textures =
+        texture::textures_of(*std::move(ladder), std::move(uses), texture::texel_sizes(model));
+    Result<std::vector<proto::Level>> levels = make_first_levels(store, id, model, textures);
+    if (!levels) return levels.error();
+    asset.levels = *std::move(levels);
+    if (Status stored = store.put_asset(asset); !stored) return stored.error();
+    return asset;
+}
+
+// Turns what is thrown into an error.
+template <class Make>
+Result<proto::Asset> without_throwing(const Make& make) {
+    try {
+        return make();
+    } catch (const std::bad_alloc&) {
+        return fail(ErrorCode::limit_exceeded, "it needs more memory than there is");
+    } catch (const std::exception& exception) {
+        return fail(ErrorCode::internal, std::string("the bake failed: ") + exception.what());
+    }
+}
+
+Error of_asset(const proto::Asset& asset, const Error& error) {
+    return fail(error.code, "'" + asset.name + "': " + error.message);
 }
 
 }  // namespace
@@ -229,32 +293,76 @@ std::string content_url(const std::string& hash) {
     return "/v1/content/" + hash + ".glb";
 }
 
-Result<proto::Asset> bake(store::Store& store, proto::Asset asset, mesh::Model model, const BakeOptions& options) {
-    asset.kind = mesh::kind_name(model.kind);
-    asset.triangles = model.mesh.triangles.size();
-    asset.vertices = model.mesh.positions.size();
-    Box world = mesh::bounds(model.mesh);
-    asset.bounds_min = {world.min.x + model.origin.x, world.min.y + model.origin.y, world.min.z + model.origin.z};
-    asset.bounds_max = {world.max.x + model.origin.x, world.max.y + model.origin.y, world.max.z + model.origin.z};
-    asset.status = proto::AssetStatus::baking;
-    asset.levels.clear();
-    if (model.mesh.triangles.empty()) return invalid_input("'" + asset.name + "' has no triangles");
-    if (Status stored = store.put_asset(asset); !stored) return stored.error();
+proto::Level described_level(const codec::Encoded& encoded, const metric::SurfaceError& error, const Box& bounds,
+                             double encode_ms, const std::string& hash) {
+    proto::Level level;
+    level.triangles = encoded.triangles;
+    level.vertices = encoded.vertices;
+    level.rms_error = error.rms;
+    level.max_error = error.max;
+    level.rms_error_percent = percent_of_diagonal(error.rms, bounds);
+    level.bytes = encoded.glb.size();
+    level.texture_bytes = encoded.texture_bytes;
+    level.encode_ms = encode_ms;
+    level.url = content_url(hash);
+    return level;
+}
 
-    Error why;
-    try {
-        Result<proto::Asset> ready = bake_stages(store, asset, std::move(model), options);
-        if (ready) return ready;
-        why = ready.error();
-    } catch (const std::bad_alloc&) {
-        why = fail(ErrorCode::limit_exceeded, "'" + asset.name + "' needs more memory than there is");
-    } catch (const std::exception& exception) {
-        why = fail(ErrorCode::internal, "the bake of '" + asset.name + "' failed: " + exception.what());
-    }
-    asset.status = proto::AssetStatus::failed;
-    asset.error = why.message;
+Result<proto::Asset> prepare(store::Store& store, proto::Asset asset, const mesh::Model& model, const Limits& limits) {
+    describe(asset, model);
+    if (model.mesh.triangles.empty()) return invalid_input("'" + asset.name + "' has no triangles");
+    if (Status fits = check_memory(model, limits); !fits) return of_asset(asset, fits.error());
     if (Status stored = store.put_asset(asset); !stored) return stored.error();
-    return why;
+    Result<proto::Asset> prepared = without_throwing([&] { return prepare_stages(store, asset, model); });
+    if (prepared) return prepared;
+    if (Status marked = mark_failed(store, asset, prepared.error().message); !marked) return marked.error();
+    return of_asset(asset, prepared.error());
+}
+
+Result<proto::Asset> bake_prepared(store::Store& store, const std::string& asset_id, const BakeOptions& options) {
+    const Result<proto::Asset> asset = store.asset(asset_id);
+    if (!asset) return asset;
+    const std::uint32_t starts = starts_of(store, asset_id);
+    if (Status noted = store.set_record(asset_id, imported_key, std::to_string(starts + 1)); !noted)
+        return noted.error();
+    Progress progress(options);
+    Result<proto::Asset> baked = without_throwing([&]() -> Result<proto::Asset> {
+        Result<mesh::Model> model = load_source(store, asset_id);
+        if (!model) return model.error();
+        if (Status fits = check_memory(*model, options.limits); !fits) return fits.error();
+        return bake_stages(store, *asset, *std::move(model), progress);
+    });
+    if (baked) {
+        if (Status removed = store.remove_content(asset_id, imported_key); !removed) return removed.error();
+        return baked;
+    }
+    const Error why = progress.end().value_or(baked.error());
+    Status left = progress.paused() ? store.set_record(asset_id, imported_key, std::to_string(starts))
+                                    : mark_failed(store, *asset, why.message);
+    return of_asset(*asset, left ? why : left.error());
+}
+
+Result<proto::Asset> bake(store::Store& store, proto::Asset asset, mesh::Model model, const BakeOptions& options) {
+    const Result<proto::Asset> prepared = prepare(store, std::move(asset), model, options.limits);
+    if (!prepared) return prepared;
+    model = {};
+    return bake_prepared(store, prepared->id, options);
+}
+
+Result<std::vector<std::string>> recover(store::Store& store) {
+    std::vector<std::string> going_on;
+    for (const std::string& id : store.interrupted()) {
+        const Result<proto::Asset> asset = store.asset(id);
+        if (!asset) return asset.error();
+        if (starts_of(store, id) < max_bake_starts) {
+            going_on.push_back(id);
+            continue;
+        }
+        const std::string why = "its bake ended the program " + std::to_string(max_bake_starts) +
+                                " times (a crash, or killed while at it); send it again";
+        if (Status marked = mark_failed(store, *asset, why); !marked) return marked.error();
+    }
+    return going_on;
 }
 
 Result<std::string> asset_id(std::string_view name) {

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 // Beside an asset's baked model: the state of the file that it was made of, so that a restart does not bake it again.
-constexpr std::string_view source_key = "source";
+constexpr std::string_view source_key = http::BakeQueue::origin_key;
 
 std::string stamp_of(const fs::directory_entry& entry) {
     std::error_code ignored;
@@ -101,17 +101,17 @@ bool AssetFolder::submit(const fs::path& file, const std::string& stamp) {
     const std::string source = fs::absolute(file).string() + " " + stamp;
     if (Result<proto::Asset> known = store_.asset(*name)) {
         const Result<store::Store::Content> baked_of = store_.content(known->id, source_key);
-        if (known->status == proto::AssetStatus::ready && baked_of && baked_of->record == source) return true;
+        // An unchanged file that failed would fail again, and one that ends the program would do so at every start.
+        if (baked_of && baked_of->record == source) return true;
         bakes_.cancel(known->id);
         (void)store_.remove_asset(known->id);
     }
-    Result<proto::Asset> asset = bakes_.submit(*name, file);
+    const Result<proto::Asset> asset = bakes_.submit(*name, file, source);
     if (!asset) {
         ids_.erase(*bake::asset_id(*name));
         names_.erase(file);
         return refuse(asset.error().message);
     }
-    (void)store_.put_content(asset->id, source_key, "txt", std::as_bytes(std::span(source)), source);
     return true;
 }
 

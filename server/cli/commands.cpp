@@ -1,7 +1,7 @@
 #include "server/cli/commands.h"
 
-#include <unistd.h>
-
+#include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -11,6 +11,7 @@
 #include "server/bake/bake.h"
 #include "server/cli/asset_folder.h"
 #include "server/cli/files.h"
+#include "server/cli/progress_bar.h"
 #include "server/http/http_server.h"
 #include "server/http/tileset.h"
 #include "server/importer/importer.h"
@@ -30,21 +31,36 @@ Result<mesh::Model> read_input(const std::string& input) {
     return importer::import_file(input);
 }
 
-// A progress line on stderr, where that is a terminal.
-std::function<bool(double)> terminal_progress(const std::string& name) {
-    if (!isatty(STDERR_FILENO)) return {};
-    return [name, last = -1](double share) mutable {
-        const int percent = static_cast<int>(share * 100.0);
-        if (percent != last) std::fprintf(stderr, "\r%s: %3d %%\033[K", name.c_str(), last = percent);
-        return true;
+// Set by Ctrl-C. Bakes look at it whenever they tell their progress.
+std::atomic<bool> interrupted{false};
+
+class CancelOnInterrupt {
+  public:
+    CancelOnInterrupt() : before_(std::signal(SIGINT, [](int) { interrupted = true; })) {}
+    ~CancelOnInterrupt() { std::signal(SIGINT, before_); }
+    CancelOnInterrupt(const CancelOnInterrupt&) = delete;
+    CancelOnInterrupt& operator=(const CancelOnInterrupt&) = delete;
+
+  private:
+    void (*before_)(int);
+};
+
+bake::BakeOptions options_for(const proto::Asset& asset, const bake::Limits& limits, const ProgressBar& bar) {
+    bake::BakeOptions options;
+    options.limits = limits;
+    options.progress = [&bar, name = asset.name, triangles = asset.triangles](double share) {
+        bar.show(name, triangles, share);
+        return !interrupted;
     };
+    return options;
 }
 
-void end_progress() {
-    if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\r\033[K");
+Result<proto::Asset> finish_bake(store::Store& store, const proto::Asset& asset, const bake::Limits& limits) {
+    const ProgressBar bar;
+    return bake::bake_prepared(store, asset.id, options_for(asset, limits, bar));
 }
 
-Result<proto::Asset> bake_one(store::Store& store, const std::string& input) {
+Result<proto::Asset> bake_one(store::Store& store, const std::string& input, const bake::Limits& limits) {
     Result<mesh::Model> model = read_input(input);
     if (!model) return model.error();
     proto::Asset asset;
@@ -55,11 +71,10 @@ Result<proto::Asset> bake_one(store::Store& store, const std::string& input) {
     asset.warnings = model.warnings;
     if (Result<proto::Asset> old = store.asset(asset.id))
         if (Status removed = store.remove_asset(old->id); !removed) return removed.error();
-    bake::BakeOptions options;
-    options.progress = terminal_progress(asset.name);
-    Result<proto::Asset> baked = bake::bake(store, asset, std::move(*model), options);
-    end_progress();
-    return baked;
+    Result<proto::Asset> prepared = bake::prepare(store, asset, *model, limits);
+    if (!prepared) return prepared;
+    *model = {};
+    return finish_bake(store, *prepared, limits);
 }
 
 void print_baked(const proto::Asset& asset) {
@@ -83,11 +98,11 @@ Result<std::string> read_token(const std::filesystem::path& file) {
     return token;
 }
 
-// A sample that the store knows already is served as it is.
+// A sample that the store knows already is served as it is, or is gone on with.
 void submit_samples(store::Store& store, http::BakeQueue& bakes) {
     for (const std::string sample : served_samples) {
         const std::string name = asset_name_of(sample);
-        if (Result<proto::Asset> known = store.asset(name); known && known->status == proto::AssetStatus::ready)
+        if (Result<proto::Asset> known = store.asset(name); known && known->status != proto::AssetStatus::failed)
             continue;
         if (Result<proto::Asset> submitted = bakes.submit(name, sample); !submitted)
             std::fprintf(stderr, "%s: %s\n", sample.c_str(), submitted.error().message.c_str());
@@ -112,7 +127,7 @@ Status serve(const ServeArguments& arguments) {
     Result<store::Store> store = store::Store::open(arguments.store);
     if (!store) return store.error();
     planner::Planner planner(*store);
-    http::BakeQueue bakes(*store, planner);
+    http::BakeQueue bakes(*store, planner, arguments.limits);
     http::Service service(*store, planner, bakes, service_options);
 
     if (arguments.samples) submit_samples(*store, bakes);
@@ -135,23 +150,31 @@ Status serve(const ServeArguments& arguments) {
 Status bake(const BakeArguments& arguments) {
     Result<store::Store> store = store::Store::open(arguments.store);
     if (!store) return store.error();
+    const CancelOnInterrupt cancel_on_interrupt;
     std::optional<Error> first_failure;
-    for (const std::string& input : arguments.inputs) {
-        Result<proto::Asset> asset = bake_one(*store, input);
-        if (!asset) {
-            Error failure = fail(asset.error().code, input + ": " + asset.error().message);
-            if (!first_failure)
-                first_failure = failure;
-            else
-                std::fprintf(stderr, "lodestream-server: %s\n", failure.message.c_str());
-            continue;
+    const auto tell = [&](const std::string& what, const Result<proto::Asset>& asset) {
+        if (asset && arguments.json) std::printf("%s\n", proto::bake_record(*asset).c_str());
+        if (asset && !arguments.json) print_baked(*asset);
+        if (asset) return;
+        Error failure = fail(asset.error().code, what + ": " + asset.error().message);
+        if (first_failure) std::fprintf(stderr, "lodestream-server: %s\n", failure.message.c_str());
+        if (!first_failure) first_failure = std::move(failure);
+    };
+    if (arguments.resume) {
+        const Result<std::vector<std::string>> left = bake::recover(*store);
+        if (!left) return left.error();
+        for (const std::string& id : *left) {
+            if (interrupted) break;
+            const Result<proto::Asset> asset = store->asset(id);
+            tell(id, asset ? finish_bake(*store, *asset, arguments.limits) : asset);
         }
-        if (arguments.json)
-            std::printf("%s\n", proto::bake_record(*asset).c_str());
-        else
-            print_baked(*asset);
+    }
+    for (const std::string& input : arguments.inputs) {
+        if (interrupted) break;
+        tell(input, bake_one(*store, input, arguments.limits));
     }
     if (first_failure) return *first_failure;
+    if (interrupted) return fail(ErrorCode::unavailable, "interrupted");
     return Nothing{};
 }
 
@@ -164,9 +187,9 @@ Status cut(const CutArguments& arguments) {
 
     Result<Written> written = write_model(arguments.out, level->model, level->error.rms, {});
     if (!written) return written.error();
-    const proto::CutRecord record{arguments.asset,  written->triangles,       written->vertices,     written->bytes,
-                                  level->cut_ms,    written->encode_ms,       level->error.rms,
-                                  level->error.max, level->rms_error_percent, arguments.out.string()};
+    const proto::CutRecord record{
+        arguments.asset,    written->triangles, written->vertices, written->bytes,           level->cut_ms,
+        written->encode_ms, level->error.rms,   level->error.max,  level->rms_error_percent, arguments.out.string()};
     if (arguments.json) {
         std::printf("%s\n", proto::cut_record(record).c_str());
     } else {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "server/bake/limits.h"
 
 namespace lodestream::cli {
 
@@ -18,6 +19,7 @@ struct ServeArguments {
     bool samples = false;                         // bake the built-in samples at start
     unsigned threads = 0;                         // 0: one a core
     std::optional<std::filesystem::path> token_file;
+    bake::Limits limits;
 };
 Status serve(const ServeArguments& arguments);
 
@@ -25,7 +27,10 @@ struct BakeArguments {
     std::vector<std::string> inputs;  // files, or "sample:NAME[:COUNT]"
     std::filesystem::path store;
     bool json = false;
+    bool resume = false;  // first go on with the bakes that an end of the program left
+    bake::Limits limits;
 };
+// Ctrl-C cancels: the running bake's asset becomes `failed`, further inputs are left out.
 Status bake(const BakeArguments& arguments);
 
 struct CutArguments {

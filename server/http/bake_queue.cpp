@@ -19,28 +19,13 @@ namespace lodestream::http {
 namespace {
 
 constexpr std::string_view sample_prefix = "sample:";
-constexpr const char* stopped = "the server stopped during the bake; send it again";
 
 struct Job {
-    proto::Asset asset;
-    mesh::Model model;
+    std::string id;
     std::uint64_t bytes = 0;
     std::atomic<bool> cancelled{false};
     std::atomic<double> progress{0.0};
 };
-
-template <class T>
-std::uint64_t bytes_of(const std::vector<T>& vector) {
-    return vector.size() * sizeof(T);
-}
-
-std::uint64_t memory_of(const mesh::Model& model) {
-    const mesh::Mesh& mesh = model.mesh;
-    std::uint64_t bytes = bytes_of(mesh.positions) + bytes_of(mesh.normals) + bytes_of(mesh.texture_coordinates) +
-                          bytes_of(mesh.colors) + bytes_of(mesh.triangles) + bytes_of(mesh.triangle_materials);
-    for (const mesh::Image& image : model.images) bytes += image.bytes.size();
-    return bytes;
-}
 
 Result<importer::Format> format_of(const std::vector<std::byte>& bytes, const std::string& name) {
     auto sniffed = importer::sniff_format(bytes);
@@ -53,9 +38,13 @@ Result<importer::Format> format_of(const std::vector<std::byte>& bytes, const st
 
 struct BakeQueue::Impl {
     using Import = std::function<Result<mesh::Model>()>;
+    struct Submission {
+        std::string id, name, origin;
+    };
 
     store::Store& store;
     planner::Planner& planner;
+    const bake::Limits limits;
     mutable std::mutex mutex;
     std::condition_variable work;
     std::condition_variable done;
@@ -67,22 +56,25 @@ struct BakeQueue::Impl {
     Counts counts;
     std::thread thread;
 
-    Impl(store::Store& s, planner::Planner& p) : store(s), planner(p) {}
+    Impl(store::Store& s, planner::Planner& p, const bake::Limits& l) : store(s), planner(p), limits(l) {}
 
-    Result<proto::Asset> submit(std::string name, const Import& import);
+    void go_on();
+    Result<proto::Asset> submit(const std::string& name, const std::string& origin, const Import& import);
     Status reserve(const std::string& id);
-    Result<proto::Asset> import_reserved(const std::string& id, const std::string& name, const Import& import);
+    Result<proto::Asset> import_reserved(const Submission& submission, const Import& import);
+    Status check_room(std::uint64_t bytes) const;
+    Result<proto::Asset> prepare(const Submission& submission, mesh::Model model, std::vector<std::string> warnings);
+    void push(const std::string& id, std::uint64_t bytes);
     Status check_free(const std::string& id, const std::string& name, bool& failed_before) const;
     void run();
     void bake(Job& job);
-    void count_end(bool ready, bool cancelled);
-    void mark_failed(const proto::Asset& asset, const std::string& why);
+    void count_end(const Job& job, bool ready);
     std::shared_ptr<Job> find(const std::string& id) const;
 };
 
 std::shared_ptr<Job> BakeQueue::Impl::find(const std::string& id) const {
-    if (running && running->asset.id == id) return running;
-    const auto it = std::find_if(waiting.begin(), waiting.end(), [&](const auto& job) { return job->asset.id == id; });
+    if (running && running->id == id) return running;
+    const auto it = std::find_if(waiting.begin(), waiting.end(), [&](const auto& job) { return job->id == id; });
     return it == waiting.end() ? nullptr : *it;
 }
 
@@ -112,45 +104,75 @@ Status BakeQueue::Impl::check_free(const std::string& id, const std::string& nam
     return Nothing{};
 }
 
-Result<proto::Asset> BakeQueue::Impl::import_reserved(const std::string& id, const std::string& name,
-                                                      const Import& import) {
+// pre: mutex is held
+Status BakeQueue::Impl::check_room(std::uint64_t bytes) const {
+    if (stopping) return fail(ErrorCode::unavailable, "the server is stopping");
+    if (!waiting.empty() && waiting_bytes + bytes > max_waiting_bytes)
+        return fail(ErrorCode::unavailable, "the models that wait to be baked fill the space set aside for them");
+    return Nothing{};
+}
+
+// pre: mutex is held
+void BakeQueue::Impl::push(const std::string& id, std::uint64_t bytes) {
+    const auto job = std::make_shared<Job>();
+    job->id = id;
+    job->bytes = bytes;
+    waiting.push_back(job);
+    waiting_bytes += bytes;
+    work.notify_one();
+}
+
+void BakeQueue::Impl::go_on() {
+    const auto interrupted = bake::recover(store);
+    if (!interrupted) return;
+    const std::lock_guard guard(mutex);
+    for (const std::string& id : *interrupted)
+        if (const auto kept = store.content(id, bake::imported_key)) push(id, kept->file.bytes);
+}
+
+Result<proto::Asset> BakeQueue::Impl::prepare(const Submission& submission, mesh::Model model,
+                                              std::vector<std::string> warnings) {
+    proto::Asset asset;
+    asset.id = submission.id;
+    asset.name = submission.name;
+    asset.warnings = std::move(warnings);
+    auto prepared = bake::prepare(store, std::move(asset), model, limits);
+    if (!prepared || submission.origin.empty()) return prepared;
+    const auto origin = std::as_bytes(std::span(submission.origin));
+    if (auto kept = store.put_content(submission.id, origin_key, "txt", origin, submission.origin); !kept)
+        return kept.error();
+    return prepared;
+}
+
+Result<proto::Asset> BakeQueue::Impl::import_reserved(const Submission& submission, const Import& import) {
     bool failed_before = false;
-    if (auto status = check_free(id, name, failed_before); !status) return status.error();
+    if (auto status = check_free(submission.id, submission.name, failed_before); !status) return status.error();
     auto model = import();
     if (!model) return model.error();
     if (model->mesh.triangles.empty()) return invalid_input("the model has no triangles");
+    if (auto fits = bake::check_memory(*model, limits); !fits) return fits.error();
 
-    const auto job = std::make_shared<Job>();
-    job->bytes = memory_of(*model);
-    job->asset.id = id;
-    job->asset.name = name;
-    job->asset.kind = mesh::kind_name(model->kind);
-    job->asset.triangles = model->mesh.triangles.size();
-    job->asset.vertices = model->mesh.positions.size();
-    job->asset.warnings = std::move(model.warnings);
-    job->model = *std::move(model);
-    const proto::Asset asset = job->asset;
-
-    const std::lock_guard guard(mutex);
-    if (stopping) return fail(ErrorCode::unavailable, "the server is stopping");
-    if (!waiting.empty() && waiting_bytes + job->bytes > max_waiting_bytes)
-        return fail(ErrorCode::unavailable, "the models that wait to be baked fill the memory set aside for them");
+    const std::uint64_t bytes = bake::memory_bytes(*model);
+    {
+        const std::lock_guard guard(mutex);
+        if (auto room = check_room(bytes); !room) return room.error();
+    }
     if (failed_before)
-        if (auto status = store.remove_asset(id); !status) return status.error();
-    if (auto status = store.put_asset(asset); !status) return status.error();
-    waiting.push_back(job);
-    waiting_bytes += job->bytes;
-    work.notify_one();
+        if (auto status = store.remove_asset(submission.id); !status) return status.error();
+    auto asset = prepare(submission, *std::move(model), std::move(model.warnings));
+    if (!asset) return asset;
+    const std::lock_guard guard(mutex);
+    push(submission.id, bytes);
     return asset;
 }
 
-Result<proto::Asset> BakeQueue::Impl::submit(std::string name, const Import& import) {
+Result<proto::Asset> BakeQueue::Impl::submit(const std::string& name, const std::string& origin, const Import& import) {
     const auto id = bake::asset_id(name);
     if (!id) return id.error();
     if (auto status = reserve(*id); !status) return status.error();
     auto asset = [&]() -> Result<proto::Asset> {
         try {
-            return import_reserved(*id, name, import);
+            return import_reserved({*id, name, origin}, import);
         } catch (const std::bad_alloc&) {
             return fail(ErrorCode::limit_exceeded, "\"" + name + "\" needs more memory than there is");
         } catch (const std::exception& e) {
@@ -163,40 +185,28 @@ Result<proto::Asset> BakeQueue::Impl::submit(std::string name, const Import& imp
     return asset;
 }
 
-void BakeQueue::Impl::mark_failed(const proto::Asset& asset, const std::string& why) {
-    proto::Asset failed = asset;
-    failed.status = proto::AssetStatus::failed;
-    failed.error = why;
-    failed.levels.clear();
-    static_cast<void>(store.put_asset(failed));
-}
-
-void BakeQueue::Impl::count_end(bool ready, bool cancelled) {
+void BakeQueue::Impl::count_end(const Job& job, bool ready) {
     const std::lock_guard guard(mutex);
-    ++(cancelled ? counts.cancelled : ready ? counts.ready : counts.failed);
+    if (job.cancelled)
+        ++counts.cancelled;
+    else if (ready)
+        ++counts.ready;
+    else if (!stopping)
+        ++counts.failed;
 }
 
 void BakeQueue::Impl::bake(Job& job) {
     bake::BakeOptions options;
+    options.limits = limits;
     options.progress = [&](double share) {
         job.progress = share;
-        return !job.cancelled && !stopping;
+        return !job.cancelled;
     };
-    bool ready = false;
-    std::string why = "not enough memory, or an internal error";
-    try {
-        const auto baked = bake::bake(store, job.asset, std::move(job.model), options);
-        ready = baked.ok();
-        if (!ready) why = stopping ? stopped : baked.error().message;
-    } catch (const std::exception& e) {
-        why = e.what();
-    }
-    planner.forget(job.asset.id);
-    if (job.cancelled)
-        static_cast<void>(store.remove_asset(job.asset.id));
-    else if (!ready)
-        mark_failed(job.asset, why);
-    count_end(ready, job.cancelled);
+    options.pause = [&] { return stopping && !job.cancelled; };
+    const bool ready = bake::bake_prepared(store, job.id, options).ok();
+    planner.forget(job.id);
+    if (job.cancelled) static_cast<void>(store.remove_asset(job.id));
+    count_end(job, ready);
 }
 
 void BakeQueue::Impl::run() {
@@ -214,12 +224,13 @@ void BakeQueue::Impl::run() {
         running.reset();
         done.notify_all();
     }
-    for (const auto& job : waiting) mark_failed(job->asset, stopped);
     waiting.clear();
     done.notify_all();
 }
 
-BakeQueue::BakeQueue(store::Store& store, planner::Planner& planner) : impl_(std::make_unique<Impl>(store, planner)) {
+BakeQueue::BakeQueue(store::Store& store, planner::Planner& planner, const bake::Limits& limits)
+    : impl_(std::make_unique<Impl>(store, planner, limits)) {
+    impl_->go_on();
     impl_->thread = std::thread([impl = impl_.get()] { impl->run(); });
 }
 
@@ -233,7 +244,7 @@ BakeQueue::~BakeQueue() {
 }
 
 Result<proto::Asset> BakeQueue::submit(std::string name, std::vector<std::byte> bytes) {
-    return impl_->submit(name, [&]() -> Result<mesh::Model> {
+    return impl_->submit(name, {}, [&]() -> Result<mesh::Model> {
         const std::vector<std::byte> file = std::move(bytes);  // freed after the import
         const auto format = format_of(file, name);
         if (!format) return format.error();
@@ -241,8 +252,9 @@ Result<proto::Asset> BakeQueue::submit(std::string name, std::vector<std::byte> 
     });
 }
 
-Result<proto::Asset> BakeQueue::submit(const std::string& name, const std::filesystem::path& input) {
-    return impl_->submit(name, [&]() -> Result<mesh::Model> {
+Result<proto::Asset> BakeQueue::submit(const std::string& name, const std::filesystem::path& input,
+                                       const std::string& origin) {
+    return impl_->submit(name, origin, [&]() -> Result<mesh::Model> {
         const std::string text = input.string();
         if (text.starts_with(sample_prefix))
             return samples::make_sample(std::string_view(text).substr(sample_prefix.size()));
@@ -252,11 +264,13 @@ Result<proto::Asset> BakeQueue::submit(const std::string& name, const std::files
 
 void BakeQueue::cancel(const std::string& asset_id) {
     std::unique_lock lock(impl_->mutex);
+    constexpr std::chrono::seconds patience(max_cancel_wait_s);
+    impl_->done.wait_for(lock, patience, [&] { return !impl_->importing.contains(asset_id); });
     const auto job = impl_->find(asset_id);
     if (!job) return;
     job->cancelled = true;
     if (job == impl_->running) {
-        impl_->done.wait_for(lock, std::chrono::seconds(max_cancel_wait_s), [&] { return impl_->running != job; });
+        impl_->done.wait_for(lock, patience, [&] { return impl_->running != job; });
         return;
     }
     std::erase(impl_->waiting, job);

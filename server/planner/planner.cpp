@@ -44,8 +44,12 @@ budget::AssetCost cost_of(const proto::Asset& asset, const texture::Choice& text
     return cost;
 }
 
-shading::View view_of(const proto::PlanRequest& request, const LoadedAsset& loaded) {
-    return request.view ? *request.view : shading::framing_view(loaded.world_bounds);
+shading::View view_of(const proto::PlanRequest& request, const Box& world_bounds) {
+    return request.view ? *request.view : shading::framing_view(world_bounds);
+}
+
+budget::Display display_of(const proto::PlanRequest& request) {
+    return request.budget.display.value_or(shading::default_display);
 }
 
 // What the request can see and carry of the asset's images. Of the network they get their share, or all that the whole
@@ -53,8 +57,8 @@ shading::View view_of(const proto::PlanRequest& request, const LoadedAsset& load
 texture::Needs texture_needs(const proto::PlanRequest& request, const proto::Asset& asset, const LoadedAsset& loaded) {
     texture::Needs needs;
     if (request.budget.display) {
-        const double pixels_per_unit =
-            shading::pixels_per_unit(view_of(request, loaded), loaded.world_bounds, *request.budget.display);
+        const double pixels_per_unit = shading::pixels_per_unit(view_of(request, loaded.world_bounds),
+                                                                loaded.world_bounds, *request.budget.display);
         if (pixels_per_unit > 0.0) needs.pixel_size = 1.0 / pixels_per_unit;
     }
     const double network = budget::network_bytes(request.budget);
@@ -67,6 +71,61 @@ Error not_ready(const proto::Asset& asset) {
     if (asset.status == proto::AssetStatus::baking)
         return fail(ErrorCode::unavailable, "asset '" + asset.name + "' is still baking; ask again soon");
     return fail(ErrorCode::conflict, "asset '" + asset.name + "' failed to bake: " + asset.error);
+}
+
+Box world_bounds_of(const proto::Asset& asset) {
+    Box box;
+    for (const auto& corner : {asset.bounds_min, asset.bounds_max})
+        if (corner) box.add({(*corner)[0], (*corner)[1], (*corner)[2]});
+    return box;
+}
+
+void fill_budget(proto::PlanResponse& response, const budget::Budget& budget) {
+    response.dlr = budget.dlr;
+    response.ncp = budget.ncp;
+    response.rup = budget.rup;
+    response.budget = {budget.triangles, budget::limited_by_name(budget.limited_by), budget.feasible};
+    if (!budget.feasible)
+        response.warnings.push_back(std::string("the ") + budget::limited_by_name(budget.limited_by) +
+                                    " allows less than one triangle; the least there is was sent");
+}
+
+// Where the object is in the view, which the distance d and the error in pixels follow from.
+struct Placement {
+    shading::View view;
+    budget::Display display;
+    double distance = 0.0;
+};
+
+Placement place(const proto::PlanRequest& request, const Box& world_bounds, double dlr) {
+    Placement placement{view_of(request, world_bounds), display_of(request)};
+    placement.distance =
+        shading::distance_level(placement.view, world_bounds, placement.display, shading::distance_steps(dlr));
+    return placement;
+}
+
+// The finest first level that the budget and the network allow; the coarsest where the network allows none; null where
+// the budget does not.
+const proto::Level* find_first_level(const proto::Asset& asset, std::uint64_t triangles, double network_bytes) {
+    const proto::Level* found = nullptr;
+    for (const proto::Level& level : asset.levels) {
+        if (level.triangles > triangles) continue;
+        found = &level;
+        if (static_cast<double>(level.bytes) <= network_bytes) break;
+    }
+    return found;
+}
+
+void fill_first_level(proto::PlanResponse& response, const proto::Level& level, const proto::PlanRequest& request) {
+    response.level = {level.triangles, level.vertices, level.rms_error, level.max_error, level.rms_error_percent, 0.0};
+    response.shading.gouraud = level.triangles;
+    response.shading.operations = budget::operations(level.triangles, 0);
+    response.shading.mode = proto::shading_mode_name(proto::ShadingMode::gouraud);
+    response.content.url = level.url;
+    response.content.bytes = level.bytes;
+    response.warnings.push_back("a first level, made before the bake is done; ask again for a better one");
+    if (request.shading == proto::ShadingMode::flat)
+        response.warnings.push_back("first levels are all Gouraud: flat shading comes with the bake");
 }
 
 struct LevelRequest {
@@ -118,6 +177,7 @@ struct Planner::Impl {
     BakedCache cache;
 
     Result<proto::PlanResponse> plan(const proto::PlanRequest& request);
+    Result<proto::PlanResponse> plan_baked(const proto::PlanRequest& request, const proto::Asset& asset);
     Result<proto::PlanResponse> plan_level(const proto::PlanRequest& request, const proto::Asset& asset,
                                            const LoadedAsset& loaded, const texture::Choice& textures,
                                            const budget::Budget& budget);
@@ -182,27 +242,59 @@ Result<proto::PlanResponse> Planner::Impl::plan_level(const proto::PlanRequest& 
                                                       const LoadedAsset& loaded, const texture::Choice& textures,
                                                       const budget::Budget& budget) {
     proto::PlanResponse response;
-    response.dlr = budget.dlr;
-    response.ncp = budget.ncp;
-    response.rup = budget.rup;
-    response.budget = {budget.triangles, budget::limited_by_name(budget.limited_by), budget.feasible};
-
-    SplitRequest split;
-    split.mode = request.shading;
-    split.view = view_of(request, loaded);
-    const budget::Display display = request.budget.display.value_or(shading::default_display);
-    split.distance =
-        shading::distance_level(split.view, loaded.world_bounds, display, shading::distance_steps(budget.dlr));
-
+    const Placement placement = place(request, loaded.world_bounds, budget.dlr);
+    const SplitRequest split{request.shading, placement.distance, placement.view};
     if (Status added = add_content(response, asset, loaded, {budget.triangles, split, textures}); !added)
         return added.error();
-    response.shading.distance = split.distance;
+    fill_budget(response, budget);
+    response.shading.distance = placement.distance;
     response.level.screen_space_error_px =
-        response.level.max_error * shading::pixels_per_unit(split.view, loaded.world_bounds, display);
-    if (!budget.feasible)
-        response.warnings.push_back(std::string("the ") + budget::limited_by_name(budget.limited_by) +
-                                    " allows less than one triangle; the least there is was sent");
+        response.level.max_error * shading::pixels_per_unit(placement.view, loaded.world_bounds, placement.display);
     return response;
+}
+
+// While an asset bakes: what was made of it before, as it lies in the store. Nothing is kept of the answer.
+Result<proto::PlanResponse> plan_first_level(const proto::PlanRequest& request, const proto::Asset& asset) {
+    budget::AssetCost cost;
+    cost.triangles = asset.triangles;
+    for (const proto::Level& level : asset.levels) cost.sizes.push_back({level.triangles, level.bytes});
+    const Result<budget::Budget> budget = budget::derive_budget(request.budget, cost);
+    if (!budget) return budget.error();
+    const proto::Level* level = find_first_level(asset, budget->triangles, budget::network_bytes(request.budget));
+    if (!level) return not_ready(asset);
+
+    proto::PlanResponse response;
+    fill_budget(response, *budget);
+    fill_first_level(response, *level, request);
+    const Box bounds = world_bounds_of(asset);
+    const Placement placement = place(request, bounds, budget->dlr);
+    response.shading.distance = placement.distance;
+    response.level.screen_space_error_px =
+        level->max_error * shading::pixels_per_unit(placement.view, bounds, placement.display);
+    return response;
+}
+
+Result<proto::PlanResponse> Planner::Impl::plan_baked(const proto::PlanRequest& request, const proto::Asset& asset) {
+    if (asset.status != proto::AssetStatus::ready) return not_ready(asset);
+    Result<std::shared_ptr<const LoadedAsset>> loaded = cache.load(asset.id);
+    if (!loaded) return loaded.error();
+
+    const texture::Choice textures =
+        texture::choose((*loaded)->baked.model, (*loaded)->textures, texture_needs(request, asset, **loaded));
+    budget::AssetCost cost = cost_of(asset, textures);
+    for (int correction = 0;; ++correction) {
+        Result<budget::Budget> budget = budget::derive_budget(request.budget, cost);
+        if (!budget) return budget.error();
+        Result<proto::PlanResponse> response = plan_level(request, asset, **loaded, textures, *budget);
+        if (!response) return response;
+        const double excess = budget::network_excess(request.budget, cost, response->content.bytes);
+        if (budget->limited_by == budget::LimitedBy::network && excess > 1.0 && budget->triangles > 1 &&
+            correction < max_network_corrections) {
+            cost.bytes_factor *= excess * network_margin;
+            continue;
+        }
+        return response;
+    }
 }
 
 Result<proto::PlanResponse> Planner::Impl::plan(const proto::PlanRequest& request) {
@@ -211,29 +303,13 @@ Result<proto::PlanResponse> Planner::Impl::plan(const proto::PlanRequest& reques
         return fail(ErrorCode::unsupported, "profile 'lean' is not offered by this server; ask for 'plain'");
     if (request.view)
         if (Status valid = shading::validate(*request.view); !valid) return valid.error();
-    Result<proto::Asset> asset = store.asset(request.asset);
+    const Result<proto::Asset> asset = store.asset(request.asset);
     if (!asset) return asset.error();
-    if (asset->status != proto::AssetStatus::ready) return not_ready(*asset);
-    Result<std::shared_ptr<const LoadedAsset>> loaded = cache.load(asset->id);
-    if (!loaded) return loaded.error();
-
-    const texture::Choice textures =
-        texture::choose((*loaded)->baked.model, (*loaded)->textures, texture_needs(request, *asset, **loaded));
-    budget::AssetCost cost = cost_of(*asset, textures);
-    for (int correction = 0;; ++correction) {
-        Result<budget::Budget> budget = budget::derive_budget(request.budget, cost);
-        if (!budget) return budget.error();
-        Result<proto::PlanResponse> response = plan_level(request, *asset, **loaded, textures, *budget);
-        if (!response) return response;
-        const double excess = budget::network_excess(request.budget, cost, response->content.bytes);
-        if (budget->limited_by == budget::LimitedBy::network && excess > 1.0 && budget->triangles > 1 &&
-            correction < max_network_corrections) {
-            cost.bytes_factor *= excess * network_margin;
-            continue;
-        }
-        response->timing_ms.plan = watch.ms();
-        return response;
-    }
+    const bool has_first_levels = asset->status == proto::AssetStatus::baking && !asset->levels.empty();
+    Result<proto::PlanResponse> response =
+        has_first_levels ? plan_first_level(request, *asset) : plan_baked(request, *asset);
+    if (response) response->timing_ms.plan = watch.ms();
+    return response;
 }
 
 Planner::Planner(store::Store& store) : impl_(std::make_unique<Impl>(store)) {}

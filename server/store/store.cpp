@@ -66,6 +66,11 @@ Error no_such_asset(std::string_view id) {
     return fail(ErrorCode::not_found, "no asset \"" + std::string(id) + "\"");
 }
 
+Error no_such_content(std::string_view asset_id, std::string_view key) {
+    return fail(ErrorCode::not_found,
+                "asset \"" + std::string(asset_id) + "\" has no content \"" + std::string(key) + "\"");
+}
+
 }  // namespace
 
 struct Store::Impl {
@@ -88,13 +93,14 @@ struct Store::Impl {
     const std::string instance =
         std::to_string(std::random_device{}());  // keeps the incoming files of two stores apart
     std::atomic<std::uint64_t> incoming_count{0};
+    std::vector<std::string> interrupted;
 
     Status open();
     Status make_schema();
     Status sweep();
     Status sweep_rows();
     Status sweep_files();
-    Status fail_assets();
+    Status sort_interrupted();
     Result<std::set<FileName>> named_files() const;
 
     fs::path path_of(const std::string& hash, const std::string& extension) const {
@@ -151,7 +157,7 @@ Status Store::Impl::sweep() {
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(folder / "incoming", error)) fs::remove_all(entry.path(), error);
     if (auto status = sweep_rows(); !status) return status;
-    if (auto status = fail_assets(); !status) return status;
+    if (auto status = sort_interrupted(); !status) return status;
     return sweep_files();
 }
 
@@ -187,12 +193,20 @@ Status Store::Impl::sweep_rows() {
     return Nothing{};
 }
 
-// A crash left assets `baking` that nobody bakes any more.
-Status Store::Impl::fail_assets() {
+// A crash left assets `baking` that nobody bakes any more: with their imported model they can be gone on with.
+Status Store::Impl::sort_interrupted() {
     const auto assets = select_assets(*write_connection);
     if (!assets) return assets.error();
     for (proto::Asset asset : *assets) {
         if (asset.status != proto::AssetStatus::baking) continue;
+        auto select = write_connection->prepare("SELECT 1 FROM content WHERE asset = ? AND key = ?");
+        if (!select) return select.error();
+        const auto kept = select->bind(asset.id).bind(imported_key).step();
+        if (!kept) return kept.error();
+        if (*kept) {
+            interrupted.push_back(asset.id);
+            continue;
+        }
         asset.status = proto::AssetStatus::failed;
         asset.error = "the server stopped during the bake; send it again";
         if (auto status = write_asset(asset); !status) return status;
@@ -402,15 +416,41 @@ Result<Store::Content> Store::content(std::string_view asset_id, std::string_vie
     if (!select) return select.error();
     const auto row = select->bind(asset_id).bind(key).step();
     if (!row) return row.error();
-    if (!*row)
-        return fail(ErrorCode::not_found,
-                    "asset \"" + std::string(asset_id) + "\" has no content \"" + std::string(key) + "\"");
+    if (!*row) return no_such_content(asset_id, key);
     Content content;
     content.file.hash = select->text(0);
     content.file.bytes = static_cast<std::uint64_t>(select->number(2));
     content.file.path = impl_->path_of(content.file.hash, select->text(1));
     content.record = select->text(3);
     return content;
+}
+
+Status Store::set_record(std::string_view asset_id, std::string_view key, std::string_view record) {
+    const std::lock_guard guard(impl_->write_mutex);
+    auto update =
+        impl_->write_connection->prepare("UPDATE content SET record = ? WHERE asset = ? AND key = ? RETURNING 1");
+    if (!update) return update.error();
+    const auto updated = update->bind(record).bind(asset_id).bind(key).step();
+    if (!updated) return updated.error();
+    if (!*updated) return no_such_content(asset_id, key);
+    return update->run();
+}
+
+Status Store::remove_content(std::string_view asset_id, std::string_view key) {
+    const std::lock_guard guard(impl_->write_mutex);
+    const auto files =
+        impl_->files_of("SELECT hash, extension FROM content WHERE asset = ? AND key = ?", asset_id, key);
+    if (!files) return files.error();
+    auto remove = impl_->write_connection->prepare("DELETE FROM content WHERE asset = ? AND key = ?");
+    if (!remove) return remove.error();
+    if (auto status = remove->bind(asset_id).bind(key).run(); !status) return status;
+    for (const Impl::FileName& file : *files)
+        if (auto status = impl_->remove_unnamed(file); !status) return status;
+    return Nothing{};
+}
+
+const std::vector<std::string>& Store::interrupted() const {
+    return impl_->interrupted;
 }
 
 // The name is the proof: a file is renamed to its hash only when it is whole, so the catalogue need not be asked.

@@ -24,6 +24,8 @@
 
 namespace lodestream::store {
 
+inline constexpr std::string_view imported_key = "imported";  // content that lets an interrupted bake go on
+
 struct StoredFile {
     std::string hash;  // 64 lower-case hex digits
     std::uint64_t bytes = 0;
@@ -32,8 +34,8 @@ struct StoredFile {
 
 class Store {
   public:
-    // Creates the folder and the catalogue where missing, sweeps what a crash left. Errors: io; conflict (made by a
-    // newer version).
+    // Creates the folder and the catalogue where missing, sweeps what a crash left: an asset that is `baking` without
+    // its imported model becomes `failed`. Errors: io; conflict (made by a newer version).
     static Result<Store> open(const std::filesystem::path& folder);
     ~Store();
     Store(Store&&) noexcept;
@@ -54,6 +56,14 @@ class Store {
         std::string record;
     };
     Result<Content> content(std::string_view asset_id, std::string_view key) const;  // not_found
+
+    Status set_record(std::string_view asset_id, std::string_view key, std::string_view record);  // not_found
+    // Its file goes too unless it is named elsewhere. What is not there is no error.
+    Status remove_content(std::string_view asset_id, std::string_view key);
+
+    // The assets that were `baking` with nobody at it when the store was opened; none where another process had it open
+    // then, which may be the one that bakes.
+    const std::vector<std::string>& interrupted() const;
 
     // Bytes by their hash, for HTTP. not_found for anything that is not 64 hex digits of a stored file with this
     // extension.

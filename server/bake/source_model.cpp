@@ -1,0 +1,69 @@
+// The stored form of an imported model: magic "LODMODL1", then the fields below in order, as stored_form.h says.
+#include "server/bake/source_model.h"
+
+#include <algorithm>
+
+#include "server/bake/stored_form.h"
+
+namespace lodestream::bake {
+
+namespace {
+
+constexpr char magic[] = "LODMODL1";
+constexpr std::size_t magic_bytes = sizeof(magic) - 1;
+
+template <class Stream, class Model>
+void describe_model(Stream& stream, Model& model) {
+    stream(model.materials);
+    stream(model.images);
+    stream(model.origin);
+    stream(model.kind);
+    stream(model.objects);
+    auto& mesh = model.mesh;
+    stream(mesh.positions);
+    stream(mesh.normals);
+    stream(mesh.texture_coordinates);
+    stream(mesh.colors);
+    stream(mesh.triangles);
+    stream(mesh.triangle_materials);
+}
+
+template <class T>
+bool is_empty_or(const std::vector<T>& values, std::size_t size) {
+    return values.empty() || values.size() == size;
+}
+
+bool is_sound(const mesh::Model& model) {
+    const mesh::Mesh& mesh = model.mesh;
+    const std::size_t vertices = mesh.positions.size();
+    const auto finite = [](const auto& vector) { return all_finite(vector); };
+    return is_empty_or(mesh.normals, vertices) && is_empty_or(mesh.texture_coordinates, vertices) &&
+           is_empty_or(mesh.colors, vertices) && is_empty_or(mesh.triangle_materials, mesh.triangles.size()) &&
+           !model.materials.empty() && all_finite(model.origin) &&
+           std::all_of(mesh.positions.begin(), mesh.positions.end(), finite) &&
+           std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
+                       [&](const mesh::Triangle& t) { return *std::max_element(t.begin(), t.end()) < vertices; }) &&
+           std::all_of(mesh.triangle_materials.begin(), mesh.triangle_materials.end(),
+                       [&](std::uint32_t m) { return m < model.materials.size(); });
+}
+
+}  // namespace
+
+std::vector<std::byte> serialize(const mesh::Model& model) {
+    Writer writer;
+    writer.raw(magic, magic_bytes);
+    describe_model(writer, model);
+    return std::move(writer.bytes);
+}
+
+Result<mesh::Model> open_source_model(std::span<const std::byte> bytes) {
+    Reader reader(bytes);
+    char found[magic_bytes] = {};
+    reader.raw(found, magic_bytes);
+    mesh::Model model;
+    if (reader.ok() && std::memcmp(found, magic, magic_bytes) == 0) describe_model(reader, model);
+    if (!reader.ok() || !reader.at_end() || !is_sound(model)) return invalid_input("the stored model is damaged");
+    return model;
+}
+
+}  // namespace lodestream::bake
