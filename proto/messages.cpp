@@ -199,7 +199,6 @@ Result<PlanResponse> parse_plan_response(std::string_view json) {
             timing->read("plan", response.timing_ms.plan);
             timing->read("cut", response.timing_ms.cut);
             timing->read("encode", response.timing_ms.encode);
-            timing->read("measure", response.timing_ms.measure);
         }
         fields.read("warnings", response.warnings);
         return response;

@@ -100,7 +100,6 @@ struct PlanResponse {
         double plan = 0.0;     // ms, all of it
         double cut = 0.0;      // ms, 0 where the level was in the store
         double encode = 0.0;   // ms, 0 where the level was in the store
-        double measure = 0.0;  // ms, of the level's error; 0 where it was known
     } timing_ms;
     std::vector<std::string> warnings;
 };

@@ -124,7 +124,7 @@ std::string to_json(const PlanResponse& response) {
            {"profile", content.profile}}},
          {"left_out", std::move(left_out)},
          {"timing_ms",
-          {{"plan", timing.plan}, {"cut", timing.cut}, {"encode", timing.encode}, {"measure", timing.measure}}},
+          {{"plan", timing.plan}, {"cut", timing.cut}, {"encode", timing.encode}}},
          {"warnings", response.warnings}});
 }
 

@@ -29,7 +29,6 @@ std::string cut_record(const CutRecord& cut) {
                   {"bytes", cut.bytes},
                   {"cut_ms", cut.cut_ms},
                   {"encode_ms", cut.encode_ms},
-                  {"measure_ms", cut.measure_ms},
                   {"rms_error", cut.rms_error},
                   {"max_error", cut.max_error},
                   {"rms_error_percent", cut.rms_error_percent},

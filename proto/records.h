@@ -18,7 +18,6 @@ struct CutRecord {
     std::uint64_t bytes = 0;  // of the file written
     double cut_ms = 0.0;
     double encode_ms = 0.0;
-    double measure_ms = 0.0;
     double rms_error = 0.0;          // model units
     double max_error = 0.0;          // model units
     double rms_error_percent = 0.0;  // of the diagonal

@@ -7,56 +7,31 @@ namespace lodestream::simplify {
 
 namespace {
 
-// Where every source vertex is once the steps below `end_step` have been made; walks and shortens only what is asked
-// for.
-class VertexResolver {
-  public:
-    VertexResolver(const History& history, std::uint32_t end_step)
-        : history_(history), end_step_(end_step), known_(history.vertex_parent.size(), never) {}
+// The steps of the level of the most triangles that is not above `triangles`.
+std::size_t step_count(const HistoryView& history, std::uint64_t triangles) {
+    const auto end = std::upper_bound(history.steps.begin(), history.steps.end(), triangles,
+                                      [](std::uint64_t n, const Step& step) { return n < step.triangles; });
+    return static_cast<std::size_t>(end - history.steps.begin());
+}
 
-    std::uint32_t operator()(std::uint32_t vertex) {
-        std::uint32_t end = vertex;
-        while (known_[end] == never && history_.vertex_step[end] < end_step_) end = history_.vertex_parent[end];
-        if (known_[end] != never) end = known_[end];
-        while (known_[vertex] == never) {
-            known_[vertex] = end;
-            if (history_.vertex_step[vertex] < end_step_) vertex = history_.vertex_parent[vertex];
-        }
-        return end;
+// Of every vertex the entry of the value arrays that is its latest.
+std::vector<std::uint32_t> latest_values(const HistoryView& history, std::size_t steps) {
+    std::vector<std::uint32_t> value_of;
+    value_of.reserve(history.steps[steps - 1].vertices);
+    std::uint32_t value = 0, change = 0;
+    for (const Step& step : history.steps.first(steps)) {
+        while (value_of.size() < step.vertices) value_of.push_back(value++);
+        while (change < step.changes) value_of[history.changed_vertices[change++]] = value++;
     }
-
-  private:
-    const History& history_;
-    std::uint32_t end_step_;
-    std::vector<std::uint32_t> known_;
-};
-
-// The source's vertices in the order of their first use by the level.
-class VertexNumbers {
-  public:
-    explicit VertexNumbers(std::size_t vertices) : number_(vertices, never) {}
-
-    std::uint32_t operator()(std::uint32_t vertex) {
-        if (number_[vertex] == never) {
-            number_[vertex] = static_cast<std::uint32_t>(used_.size());
-            used_.push_back(vertex);
-        }
-        return number_[vertex];
-    }
-    const std::vector<std::uint32_t>& used() const { return used_; }
-
-  private:
-    std::vector<std::uint32_t> number_;
-    std::vector<std::uint32_t> used_;
-};
+    return value_of;
+}
 
 template <class Attribute>
-std::vector<Attribute> gather(const std::vector<Attribute>& source, const std::vector<std::uint32_t>& indices) {
-    std::vector<Attribute> result;
-    if (source.empty()) return result;
-    result.reserve(indices.size());
-    for (const std::uint32_t index : indices) result.push_back(source[index]);
-    return result;
+void gather(std::span<const Attribute> values, const std::vector<std::uint32_t>& value_of,
+            std::vector<Attribute>& result) {
+    if (values.empty()) return;
+    result.reserve(value_of.size());
+    for (const std::uint32_t value : value_of) result.push_back(values[value]);
 }
 
 bool spans_a_triangle(const std::vector<Vec3f>& positions, const mesh::Triangle& t) {
@@ -64,67 +39,112 @@ bool spans_a_triangle(const std::vector<Vec3f>& positions, const mesh::Triangle&
            positions[t[2]] != positions[t[0]];
 }
 
+// Merges over long distances can lay two corners of a triangle on one spot.
+void drop_folded(mesh::Mesh& level) {
+    const auto spans = [&](const mesh::Triangle& t) { return spans_a_triangle(level.positions, t); };
+    if (std::all_of(level.triangles.begin(), level.triangles.end(), spans)) return;
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < level.triangles.size(); ++t) {
+        if (!spans(level.triangles[t])) continue;
+        level.triangles[kept] = level.triangles[t];
+        if (!level.triangle_materials.empty()) level.triangle_materials[kept] = level.triangle_materials[t];
+        ++kept;
+    }
+    level.triangles.resize(kept);
+    if (!level.triangle_materials.empty()) level.triangle_materials.resize(kept);
+}
+
 Error damaged(const std::string& what) {
     return invalid_input("collapse history: " + what);
 }
 
+bool fits(std::size_t attribute, std::size_t elements) {
+    return attribute == 0 || attribute == elements;
+}
+
+bool grows(const Step& before, const Step& after) {
+    return before.triangles <= after.triangles && before.vertices <= after.vertices &&
+           before.changes <= after.changes && before.corner_moves <= after.corner_moves;
+}
+
+Status validate_sizes(const HistoryView& h) {
+    const Step end = h.steps.empty() ? Step{} : h.steps.back();
+    if (h.triangles.size() != end.triangles || !fits(h.triangle_materials.size(), end.triangles))
+        return damaged("its triangles are not as many as its steps make");
+    if (h.changed_vertices.size() != end.changes) return damaged("its changes are not as many as its steps make");
+    if (h.corner_moves.size() != end.corner_moves) return damaged("its corner moves are not as many as its steps make");
+    const std::size_t values = std::size_t{end.vertices} + end.changes;
+    if (h.positions.size() != values || !fits(h.normals.size(), values) ||
+        !fits(h.texture_coordinates.size(), values) || !fits(h.colors.size(), values))
+        return damaged("its values are not as many as its steps make");
+    return Nothing{};
+}
+
+Status validate_step(const HistoryView& h, const Step& before, const Step& after) {
+    if (!grows(before, after)) return damaged("a step takes back what an earlier one made");
+    for (std::uint32_t i = before.changes; i < after.changes; ++i)
+        if (h.changed_vertices[i] >= after.vertices) return damaged("a step changes a vertex that is not there yet");
+    for (std::uint32_t i = before.corner_moves; i < after.corner_moves; ++i)
+        if (h.corner_moves[i].corner / 3 >= before.triangles || h.corner_moves[i].vertex >= after.vertices)
+            return damaged("a step moves a corner that is not there yet");
+    for (std::uint32_t t = before.triangles; t < after.triangles; ++t)
+        for (const std::uint32_t vertex : h.triangles[t])
+            if (vertex >= after.vertices) return damaged("a triangle uses a vertex that is not there yet");
+    return Nothing{};
+}
+
 }  // namespace
 
-mesh::Mesh cut(const mesh::Mesh& source, const History& history, std::uint64_t triangles) {
-    const auto& steps = history.triangle_step;
-    std::size_t count = static_cast<std::size_t>(std::min<std::uint64_t>(triangles, steps.size()));
-    while (count > 0 && count < steps.size() && steps[count - 1] == steps[count]) --count;
-    const std::uint32_t end_step = count < steps.size() ? steps[count] + 1 : 0;
+HistoryView view(const History& h) {
+    return {h.steps,        h.positions, h.normals,           h.texture_coordinates, h.colors, h.changed_vertices,
+            h.corner_moves, h.triangles, h.triangle_materials};
+}
 
+std::uint64_t triangle_count(const HistoryView& history) {
+    return history.triangles.size();
+}
+
+std::uint64_t triangles_within(const HistoryView& history, std::uint64_t triangles) {
+    const std::size_t steps = step_count(history, triangles);
+    return steps == 0 ? 0 : history.steps[steps - 1].triangles;
+}
+
+mesh::Mesh cut(const HistoryView& history, std::uint64_t triangles) {
     mesh::Mesh level;
-    level.triangles.reserve(count);
-    if (!source.triangle_materials.empty()) level.triangle_materials.reserve(count);
-    VertexResolver resolve(history, end_step);
-    VertexNumbers number(source.positions.size());
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::uint32_t index = history.triangle_order[i];
-        mesh::Triangle t = source.triangles[index];
-        for (std::uint32_t& vertex : t) vertex = resolve(vertex);
-        if (!spans_a_triangle(source.positions, t)) continue;
-        for (std::uint32_t& vertex : t) vertex = number(vertex);
-        level.triangles.push_back(t);
-        if (!source.triangle_materials.empty()) level.triangle_materials.push_back(source.triangle_materials[index]);
+    const std::size_t steps = step_count(history, triangles);
+    if (steps == 0) return level;
+    const Step& end = history.steps[steps - 1];
+
+    const auto prefix = history.triangles.first(end.triangles);
+    level.triangles.assign(prefix.begin(), prefix.end());
+    for (const CornerMove& move : history.corner_moves.first(end.corner_moves))
+        level.triangles[move.corner / 3][move.corner % 3] = move.vertex;
+    if (!history.triangle_materials.empty()) {
+        const auto materials = history.triangle_materials.first(end.triangles);
+        level.triangle_materials.assign(materials.begin(), materials.end());
     }
-    level.positions = gather(source.positions, number.used());
-    level.normals = gather(source.normals, number.used());
-    level.texture_coordinates = gather(source.texture_coordinates, number.used());
-    level.colors = gather(source.colors, number.used());
+
+    const std::vector<std::uint32_t> value_of = latest_values(history, steps);
+    gather(history.positions, value_of, level.positions);
+    gather(history.normals, value_of, level.normals);
+    gather(history.texture_coordinates, value_of, level.texture_coordinates);
+    gather(history.colors, value_of, level.colors);
+    drop_folded(level);
     return level;
 }
 
-Status validate(const History& history, std::size_t vertices, std::size_t triangles) {
-    if (history.vertex_parent.size() != vertices || history.vertex_step.size() != vertices)
-        return damaged("it is for another number of vertices");
-    if (history.triangle_order.size() != triangles || history.triangle_step.size() != triangles)
-        return damaged("it is for another number of triangles");
-
-    const std::uint64_t step_limit = static_cast<std::uint64_t>(vertices) + triangles;
-    for (std::size_t v = 0; v < vertices; ++v) {
-        const std::uint32_t parent = history.vertex_parent[v], step = history.vertex_step[v];
-        if (parent >= vertices) return damaged("vertex " + std::to_string(v) + " merges into none of the mesh");
-        if ((parent == v) != (step == never)) return damaged("vertex " + std::to_string(v) + " merges into itself");
-        if (step == never) continue;
-        if (step >= step_limit) return damaged("vertex " + std::to_string(v) + " has a step that cannot be");
-        if (history.vertex_step[parent] <= step)
-            return damaged("vertex " + std::to_string(v) + " merges into one that is gone");
+Status validate(const HistoryView& history) {
+    if (Status sizes = validate_sizes(history); !sizes) return sizes.error();
+    Step before;
+    for (const Step& step : history.steps) {
+        if (Status valid = validate_step(history, before, step); !valid) return valid.error();
+        before = step;
     }
-
-    std::vector<bool> seen(triangles, false);
-    for (std::size_t i = 0; i < triangles; ++i) {
-        const std::uint32_t triangle = history.triangle_order[i], step = history.triangle_step[i];
-        if (triangle >= triangles || seen[triangle])
-            return damaged("its triangles are no permutation at place " + std::to_string(i));
-        seen[triangle] = true;
-        if (step != never && step >= step_limit)
-            return damaged("triangle " + std::to_string(triangle) + " has a step that cannot be");
-        if (i > 0 && step > history.triangle_step[i - 1])
-            return damaged("its steps are out of order at place " + std::to_string(i));
-    }
+    for (const auto& vectors : {history.positions, history.normals})
+        for (const Vec3f& v : vectors)
+            if (!all_finite(v)) return damaged("a position or normal is not finite");
+    for (const Vec2f& uv : history.texture_coordinates)
+        if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) return damaged("a texture coordinate is not finite");
     return Nothing{};
 }
 

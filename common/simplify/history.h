@@ -2,9 +2,10 @@
 // record. The engine behind record_history() is OpenMesh; nothing else of the project knows.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
+#include <span>
 #include <vector>
 
 #include "common/base/result.h"
@@ -12,35 +13,81 @@
 
 namespace lodestream::simplify {
 
-inline constexpr std::uint32_t never = std::numeric_limits<std::uint32_t>::max();
-
-// The collapse history of one mesh. Steps are numbered 0, 1, … in the order in which they were made; at each step one
-// position (all its vertices) merges into another, or, at the very end, single triangles are dropped.
-struct History {
-    std::vector<std::uint32_t> vertex_parent;   // a vertex: the vertex it merges into; itself if it never does
-    std::vector<std::uint32_t> vertex_step;     // a vertex: the step of that merge; `never` if it stays
-    std::vector<std::uint32_t> triangle_order;  // the source's triangles, longest-living first
-    std::vector<std::uint32_t> triangle_step;   // of triangle_order[i]: the step at which it vanishes; non-increasing
+// The state of a level after a step: how much of each array below belongs to it.
+struct Step {
+    std::uint32_t triangles = 0;
+    std::uint32_t vertices = 0;      // made up to here
+    std::uint32_t changes = 0;       // entries of changed_vertices
+    std::uint32_t corner_moves = 0;  // entries of corner_moves
+    bool operator==(const Step&) const = default;
 };
+
+// The corner (3 * triangle + 0, 1 or 2) now lies at another vertex.
+struct CornerMove {
+    std::uint32_t corner = 0;
+    std::uint32_t vertex = 0;
+    bool operator==(const CornerMove&) const = default;
+};
+
+// A progressive mesh (Hoppe 1996), coarse to fine: step 0 is the coarsest level, each further step undoes one merge.
+// Arrays are in the order of use, so the level of N triangles is a prefix of each of them. A step gives, in this order:
+// its new vertices and the new values of old ones (one entry of the value arrays each: first those of the new vertices,
+// then those of changed_vertices); corner moves; new triangles. Attribute arrays are empty where the mesh has none.
+template <template <class> class Array>
+struct BasicHistory {
+    Array<Step> steps;
+    Array<Vec3f> positions;
+    Array<Vec3f> normals;
+    Array<Vec2f> texture_coordinates;
+    Array<Rgba8> colors;
+    Array<std::uint32_t> changed_vertices;
+    Array<CornerMove> corner_moves;
+    Array<mesh::Triangle> triangles;
+    Array<std::uint32_t> triangle_materials;
+};
+
+template <class T>
+using OwnedArray = std::vector<T>;
+template <class T>
+using ArrayView = std::span<const T>;
+
+using History = BasicHistory<OwnedArray>;
+using HistoryView = BasicHistory<ArrayView>;  // of a History, or of a file mapped into memory
+
+HistoryView view(const History& history);
+
+// Runs task(0) … task(count - 1), each once, in any order and on any threads; returns when all have ended.
+using Executor = std::function<void(std::size_t count, const std::function<void(std::size_t)>& task)>;
 
 struct RecordOptions {
-    // Called now and then with the share done in [0,1]; returning false cancels the recording.
+    // Called now and then with the share done in [0,1], one call at a time; returning false cancels the recording.
     std::function<bool(double)> progress;
+    Executor executor;  // empty: one task after the other. The result is the same bytes for every executor
 };
 
-// Records the whole history down to one triangle. Priority: quadric error (Garland and Heckbert 1997) with planes along
-// open boundaries and attribute seams. Seams, boundaries and material borders are kept unless all else costs more than
-// moving the area around a merge by its length, then merged nearest attribute first; a whole piece is dropped once it
-// is less visible than the next merge; at the very end the least visible triangles go. Deterministic. `mesh` must be
-// compact (see mesh/operations.h). Any connectivity is taken: non-manifold, soup, thousands of pieces. Errors:
-// unavailable (cancelled).
+// Records the whole history down to one triangle. Merges are placed where the integral of the squared distance to the
+// triangles around them is least while their volume is kept (memoryless simplification: Lindstrom and Turk 1998, 1999);
+// an open border and an attribute seam count as lines to stay on. Seams, borders and material borders are kept unless
+// all else costs more than moving the area around a merge by its length, then merged nearest attribute first; a whole
+// piece is dropped once it is less visible than the next merge; at the very end the least visible triangles go. `mesh`
+// must be compact (see mesh/operations.h); triangles without three different positions and unused vertices are left
+// out. Any connectivity is taken: non-manifold, soup, thousands of pieces. Errors: unavailable (cancelled),
+// limit_exceeded (memory).
 Result<History> record_history(const mesh::Mesh& mesh, const RecordOptions& options = {});
 
 // The level of the most triangles that is not above `triangles`. Attributes and materials follow. O(result).
-// pre: history was recorded for `source`.
-mesh::Mesh cut(const mesh::Mesh& source, const History& history, std::uint64_t triangles);
+// pre: validate(history)
+mesh::Mesh cut(const HistoryView& history, std::uint64_t triangles);
+inline mesh::Mesh cut(const History& history, std::uint64_t triangles) {
+    return cut(view(history), triangles);
+}
 
-// Whether a history read from outside belongs to a mesh of these counts: sizes, ranges, order. Never trusts.
-Status validate(const History& history, std::size_t vertices, std::size_t triangles);
+// The number of triangles that cut() gives for this budget.
+std::uint64_t triangles_within(const HistoryView& history, std::uint64_t triangles);
+// Of the finest level.
+std::uint64_t triangle_count(const HistoryView& history);
+
+// Whether a history from outside can be cut: sizes, ranges, order, finite values. Never trusts.
+Status validate(const HistoryView& history);
 
 }  // namespace lodestream::simplify

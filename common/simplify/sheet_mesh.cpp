@@ -1,6 +1,7 @@
 #include "common/simplify/sheet_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 namespace lodestream::simplify {
@@ -11,6 +12,9 @@ using Triangles = std::vector<mesh::Triangle>;
 
 // At an edge with more triangles than this they are not paired at all: each is its own sheet there.
 constexpr std::size_t max_paired_at_edge = 32;
+
+// A vertex's neighbours up to this number are listed to compare them; beyond it they are looked up.
+constexpr std::size_t max_listed_ring = 64;
 
 // A *dart* is a triangle's directed side: dart 3 * t + k runs from corner k to corner k + 1.
 constexpr std::uint32_t next_dart(std::uint32_t dart) {
@@ -54,14 +58,11 @@ void for_each_edge(const Triangles& corners, std::size_t positions, Visit visit)
 // Turns triangles around so that neighbours across an edge of two agree on which side is outside, where that can be.
 void orient(Triangles& corners, std::size_t positions) {
     std::vector<std::uint32_t> neighbour(3 * corners.size(), none);
-    bool conflict = false;
     for_each_edge(corners, positions, [&](const std::uint32_t* begin, const std::uint32_t* end) {
         if (end - begin != 2) return;
         neighbour[begin[0]] = begin[1];
         neighbour[begin[1]] = begin[0];
-        conflict |= start_of(corners, begin[0]) == start_of(corners, begin[1]);
     });
-    if (!conflict) return;
 
     std::vector<bool> seen(corners.size(), false), turned(corners.size(), false);
     std::vector<std::uint32_t> queue;
@@ -85,15 +86,16 @@ void orient(Triangles& corners, std::size_t positions) {
         if (turned[t]) std::swap(corners[t][1], corners[t][2]);
 }
 
-Vec3d unit_normal(const Triangles& corners, const std::vector<Vec3d>& points, std::uint32_t dart) {
+Vec3d unit_normal(const Triangles& corners, const std::vector<Vec3f>& points, std::uint32_t dart) {
     const mesh::Triangle& t = corners[dart / 3];
-    const Vec3d n = cross(points[t[1]] - points[t[0]], points[t[2]] - points[t[0]]);
+    const Vec3d origin(points[t[0]]);
+    const Vec3d n = cross(Vec3d(points[t[1]]) - origin, Vec3d(points[t[2]]) - origin);
     const double size = length(n);
     return size > 0 ? n / size : Vec3d{0.0};
 }
 
 // Pairs the darts of one edge, opposite directions only, flattest pair first.
-void pair_darts(const Triangles& corners, const std::vector<Vec3d>& points, const std::uint32_t* begin,
+void pair_darts(const Triangles& corners, const std::vector<Vec3f>& points, const std::uint32_t* begin,
                 const std::uint32_t* end, std::vector<std::uint32_t>& mate) {
     struct Pair {
         double flatness;
@@ -113,7 +115,8 @@ void pair_darts(const Triangles& corners, const std::vector<Vec3d>& points, cons
 }
 
 // Of every dart the one that runs the other way in the neighbouring triangle; none at a border of the sheet.
-std::vector<std::uint32_t> pair_all(const Triangles& corners, const std::vector<Vec3d>& points) {
+// `conflict`: whether two triangles alone at an edge run along it the same way.
+std::vector<std::uint32_t> pair_all(const Triangles& corners, const std::vector<Vec3f>& points, bool& conflict) {
     std::vector<std::uint32_t> mate(3 * corners.size(), none);
     for_each_edge(corners, points.size(), [&](const std::uint32_t* begin, const std::uint32_t* end) {
         const auto count = static_cast<std::size_t>(end - begin);
@@ -122,6 +125,8 @@ std::vector<std::uint32_t> pair_all(const Triangles& corners, const std::vector<
             mate[begin[1]] = begin[0];
         } else if (count > 2 && count <= max_paired_at_edge) {
             pair_darts(corners, points, begin, end, mate);
+        } else if (count == 2) {
+            conflict = true;
         }
     });
     return mate;
@@ -189,38 +194,57 @@ bool isolate_double_edges(std::vector<std::uint32_t>& mate, const std::vector<st
 
 }  // namespace
 
-SheetMesh::SheetMesh(const Triangles& corners, const std::vector<Vec3d>& points) {
-    Triangles oriented = corners;
-    orient(oriented, points.size());
-    std::vector<std::uint32_t> mate = pair_all(oriented, points);
+SheetMesh::SheetMesh(const Triangles& corners, const std::vector<Vec3f>& points) {
+    Triangles turned;
+    const Triangles* oriented = &corners;
+    bool conflict = false;
+    std::vector<std::uint32_t> mate = pair_all(corners, points, conflict);
+    if (conflict) {
+        turned = corners;
+        orient(turned, points.size());
+        mate = pair_all(turned, points, conflict);
+        oriented = &turned;
+    }
     std::uint32_t sheets = 0;
     std::vector<std::uint32_t> sheet_of_dart = number_fans(mate, sheets);
     while (isolate_double_edges(mate, sheet_of_dart, sheets)) sheet_of_dart = number_fans(mate, sheets);
-
-    first_sheet_.assign(points.size(), none);
-    next_sheet_.assign(sheets, none);
-    sheet_position_.assign(sheets, none);
-    mark_.assign(sheets, 0);
-    for (std::uint32_t d = 0; d < mate.size(); ++d) {
-        const std::uint32_t sheet = sheet_of_dart[d], at = start_of(oriented, d);
-        if (sheet_position_[sheet] != none) continue;
-        sheet_position_[sheet] = at;
-        next_sheet_[sheet] = first_sheet_[at];
-        first_sheet_[at] = sheet;
-    }
-    build(oriented, mate, sheet_of_dart);
+    place_sheets(*oriented, sheet_of_dart, points.size(), sheets);
+    turned = {};
+    build(std::max<std::size_t>(sheets, simple_ ? points.size() : 0), mate, sheet_of_dart);
 }
 
-void SheetMesh::build(const Triangles& corners, const std::vector<std::uint32_t>& mate,
+void SheetMesh::place_sheets(const Triangles& corners, const std::vector<std::uint32_t>& sheet_of_dart,
+                             std::size_t positions, std::size_t sheets) {
+    for (std::uint32_t d = 0; d < sheet_of_dart.size() && simple_; ++d)
+        simple_ = sheet_of_dart[d] == start_of(corners, d);
+    if (simple_) return;
+    sheet_position_.assign(sheets, none);
+    for (std::uint32_t d = 0; d < sheet_of_dart.size(); ++d) sheet_position_[sheet_of_dart[d]] = start_of(corners, d);
+    first_sheet_.assign(positions, none);
+    next_sheet_.assign(sheets, none);
+    for (std::uint32_t s = 0; s < sheets; ++s) {
+        next_sheet_[s] = first_sheet_[sheet_position_[s]];
+        first_sheet_[sheet_position_[s]] = s;
+    }
+}
+
+// From now on any position may have any sheets.
+void SheetMesh::list_sheets() {
+    if (!simple_) return;
+    simple_ = false;
+    sheet_position_.resize(connectivity_.n_vertices());
+    std::iota(sheet_position_.begin(), sheet_position_.end(), 0u);
+    first_sheet_ = sheet_position_;
+    next_sheet_.assign(sheet_position_.size(), none);
+}
+
+void SheetMesh::build(std::size_t sheets, const std::vector<std::uint32_t>& mate,
                       const std::vector<std::uint32_t>& sheet_of_dart) {
     std::vector<int> halfedge(mate.size());
     int edges = 0;
     for (std::uint32_t d = 0; d < mate.size(); ++d)
         halfedge[d] = mate[d] != none && mate[d] < d ? halfedge[mate[d]] + 1 : 2 * edges++;
-    connectivity_.resize(sheet_position_.size(), static_cast<std::size_t>(edges), corners.size());
-    connectivity_.request_vertex_status();
-    connectivity_.request_edge_status();
-    connectivity_.request_face_status();
+    connectivity_.resize(sheets, static_cast<std::size_t>(edges), mate.size() / 3);
 
     const auto inner = [&](std::uint32_t d) { return HalfedgeHandle(halfedge[d]); };
     const auto outer = [&](std::uint32_t d) { return HalfedgeHandle(halfedge[d] + 1); };
@@ -247,27 +271,32 @@ void SheetMesh::build(const Triangles& corners, const std::vector<std::uint32_t>
 
 // Whether the triangle left of `h` hangs on the mesh by that edge alone.
 bool SheetMesh::dangles(HalfedgeHandle h) const {
-    const HalfedgeHandle next = connectivity_.next_halfedge_handle(h);
-    const HalfedgeHandle previous = connectivity_.prev_halfedge_handle(h);
-    return connectivity_.is_boundary(connectivity_.opposite_halfedge_handle(next)) &&
-           connectivity_.is_boundary(connectivity_.opposite_halfedge_handle(previous));
+    return is_open(opposite(next(h))) && is_open(opposite(previous(h)));
 }
 
-bool SheetMesh::shares_other_neighbours(VertexHandle a, VertexHandle b, VertexHandle left, VertexHandle right) {
-    const std::uint32_t ring = ++ring_;
-    for_each_outgoing(a, [&](HalfedgeHandle h) { mark_[index_of(connectivity_.to_vertex_handle(h))] = ring; });
-    if (left.is_valid()) mark_[index_of(left)] = 0;
-    if (right.is_valid()) mark_[index_of(right)] = 0;
-    const HalfedgeHandle start = connectivity_.halfedge_handle(b);
-    HalfedgeHandle h = start;
-    do {
-        if (mark_[index_of(connectivity_.to_vertex_handle(h))] == ring) return true;
-        h = connectivity_.opposite_halfedge_handle(connectivity_.prev_halfedge_handle(h));
-    } while (h != start);
-    return false;
+bool SheetMesh::shares_other_neighbours(VertexHandle a, VertexHandle b, VertexHandle left, VertexHandle right) const {
+    std::array<VertexHandle, max_listed_ring> ring;
+    std::size_t listed = 0;
+    bool too_many = false;
+    for_each_outgoing(b, [&](HalfedgeHandle h) {
+        const VertexHandle neighbour = to_sheet(h);
+        if (neighbour == left || neighbour == right) return;
+        if (listed == ring.size()) too_many = true;
+        if (!too_many) ring[listed++] = neighbour;
+    });
+    bool shares = false;
+    for_each_outgoing(a, [&](HalfedgeHandle h) {
+        const VertexHandle neighbour = to_sheet(h);
+        if (shares || neighbour == left || neighbour == right || neighbour == b) return;
+        if (too_many)
+            for_each_outgoing(neighbour, [&](HalfedgeHandle g) { shares = shares || to_sheet(g) == b; });
+        else
+            shares = std::find(ring.data(), ring.data() + listed, neighbour) != ring.data() + listed;
+    });
+    return shares;
 }
 
-HalfedgeHandle SheetMesh::manifold_edge(VertexHandle sheet, std::uint32_t target, bool along_border) {
+HalfedgeHandle SheetMesh::manifold_edge(VertexHandle sheet, std::uint32_t target, bool along_border) const {
     HalfedgeHandle edge;
     int edges = 0;
     for_each_outgoing(sheet, [&](HalfedgeHandle h) {
@@ -277,53 +306,135 @@ HalfedgeHandle SheetMesh::manifold_edge(VertexHandle sheet, std::uint32_t target
     });
     if (edges != 1) return HalfedgeHandle();
 
-    const HalfedgeHandle back = connectivity_.opposite_halfedge_handle(edge);
-    const bool left_open = connectivity_.is_boundary(edge), right_open = connectivity_.is_boundary(back);
-    const VertexHandle end = connectivity_.to_vertex_handle(edge);
-    if (!left_open && !right_open && connectivity_.is_boundary(sheet) &&
-        (along_border || connectivity_.is_boundary(end)))
+    const HalfedgeHandle back = opposite(edge);
+    const bool left_open = is_open(edge), right_open = is_open(back);
+    const VertexHandle end = to_sheet(edge);
+    if (!left_open && !right_open && is_open(outgoing(sheet)) && (along_border || is_open(outgoing(end))))
         return HalfedgeHandle();
     if ((!left_open && dangles(edge)) || (!right_open && dangles(back))) return HalfedgeHandle();
-    const VertexHandle left = left_open ? VertexHandle() : connectivity_.opposite_vh(edge);
-    const VertexHandle right = right_open ? VertexHandle() : connectivity_.opposite_vh(back);
+    const VertexHandle left = left_open ? VertexHandle() : to_sheet(next(edge));
+    const VertexHandle right = right_open ? VertexHandle() : to_sheet(next(back));
     if (left == right || shares_other_neighbours(sheet, end, left, right)) return HalfedgeHandle();
     return edge;
 }
 
-void SheetMesh::cut_out(VertexHandle sheet, std::uint32_t target) {
-    cut_faces_.clear();
-    for_each_outgoing(sheet, [&](HalfedgeHandle h) {
-        const FaceHandle face = connectivity_.face_handle(h);
-        if (!face.is_valid()) return;
-        const HalfedgeHandle across = connectivity_.next_halfedge_handle(h);
-        if (to(h) == target || to(across) == target) cut_faces_.push_back(face);
-    });
-    for (const FaceHandle face : cut_faces_) connectivity_.delete_face(face, true);
+// Vertices at an open border start their ring there, as OpenMesh wants it.
+void SheetMesh::start_at_border(VertexHandle sheet) {
+    const HalfedgeHandle start = outgoing(sheet);
+    if (!start.is_valid()) return;
+    HalfedgeHandle h = start;
+    do {
+        if (is_open(h)) return connectivity_.set_halfedge_handle(sheet, h);
+        h = opposite(previous(h));
+    } while (h != start);
 }
 
-void SheetMesh::merge(std::uint32_t source, std::uint32_t target, std::vector<EdgeHandle>& changed) {
-    const std::size_t first_changed = changed.size();
-    std::uint32_t next = none;
-    for (std::uint32_t s = first_sheet_[source]; s != none; s = next) {
-        next = next_sheet_[s];
-        const VertexHandle sheet(static_cast<int>(s));
-        if (connectivity_.status(sheet).deleted()) continue;
+void SheetMesh::take_out(HalfedgeHandle h) {
+    connectivity_.set_vertex_handle(h, VertexHandle());
+    connectivity_.set_vertex_handle(opposite(h), VertexHandle());
+}
+
+// `keep` and `remove` have become the only two sides of what was a triangle: `keep` takes the place of the half-edge
+// opposite to `remove`.
+void SheetMesh::fold(HalfedgeHandle keep, HalfedgeHandle remove) {
+    const HalfedgeHandle replaced = opposite(remove);
+    const VertexHandle keep_end = to_sheet(keep), remove_end = to_sheet(remove);
+    connectivity_.set_halfedge_handle(face(keep), HalfedgeHandle());
+    const FaceHandle outer = face(replaced);
+    link(previous(replaced), keep);
+    link(keep, next(replaced));
+    if (outer.is_valid()) {
+        connectivity_.set_face_handle(keep, outer);
+        connectivity_.set_halfedge_handle(outer, keep);
+    } else {
+        connectivity_.set_boundary(keep);
+    }
+    // `replaced` started where `keep` does, `remove` where keep's opposite does.
+    if (outgoing(remove_end) == replaced) connectivity_.set_halfedge_handle(remove_end, keep);
+    if (outgoing(keep_end) == remove) connectivity_.set_halfedge_handle(keep_end, opposite(keep));
+    take_out(remove);
+}
+
+// pre: manifold_edge() gave h. Both its triangles go, and the vertex that it starts from.
+void SheetMesh::collapse(HalfedgeHandle h) {
+    const HalfedgeHandle back = opposite(h);
+    const HalfedgeHandle left_next = next(h), left_previous = previous(h);
+    const HalfedgeHandle right_next = next(back), right_previous = previous(back);
+    const bool left_open = is_open(h), right_open = is_open(back);
+    const VertexHandle removed = to_sheet(back), kept = to_sheet(h);
+    const bool border = is_open(outgoing(removed)) || is_open(outgoing(kept));
+
+    for_each_outgoing(removed, [&](HalfedgeHandle g) { connectivity_.set_vertex_handle(opposite(g), kept); });
+    link(left_previous, left_next);
+    link(right_previous, right_next);
+    if (outgoing(kept) == back) connectivity_.set_halfedge_handle(kept, left_next);
+    connectivity_.set_halfedge_handle(removed, HalfedgeHandle());
+    take_out(h);
+    if (!left_open) fold(left_next, left_previous);
+    if (!right_open) fold(right_previous, right_next);
+    if (border) start_at_border(kept);
+}
+
+void SheetMesh::take_out_face(FaceHandle gone) {
+    std::array<HalfedgeHandle, 3> sides;
+    sides[0] = connectivity_.halfedge_handle(gone);
+    sides[1] = next(sides[0]);
+    sides[2] = next(sides[1]);
+    std::array<VertexHandle, 3> ends;
+    for (std::size_t k = 0; k < 3; ++k) ends[k] = to_sheet(sides[k]);
+    connectivity_.set_halfedge_handle(gone, HalfedgeHandle());
+    for (const HalfedgeHandle h : sides) connectivity_.set_boundary(h);
+    for (const HalfedgeHandle h : sides) {
+        const HalfedgeHandle back = opposite(h);
+        if (!is_open(back)) continue;
+        const VertexHandle end = to_sheet(h), start = to_sheet(back);
+        const HalfedgeHandle after = next(h), before = previous(h), back_after = next(back),
+                             back_before = previous(back);
+        link(before, back_after);
+        link(back_before, after);
+        if (outgoing(end) == back) connectivity_.set_halfedge_handle(end, after == back ? HalfedgeHandle() : after);
+        if (outgoing(start) == h)
+            connectivity_.set_halfedge_handle(start, back_after == h ? HalfedgeHandle() : back_after);
+        take_out(h);
+    }
+    for (const VertexHandle end : ends) start_at_border(end);
+}
+
+void SheetMesh::cut_out(VertexHandle sheet, std::uint32_t target) {
+    std::vector<FaceHandle> gone;
+    for_each_outgoing(sheet, [&](HalfedgeHandle h) {
+        if (!is_open(h) && (to(h) == target || apex(h) == target)) gone.push_back(face(h));
+    });
+    for (const FaceHandle f : gone) take_out_face(f);
+}
+
+void SheetMesh::move(std::uint32_t sheet, std::uint32_t target) {
+    list_sheets();
+    sheet_position_[sheet] = target;
+    next_sheet_[sheet] = first_sheet_[target];
+    first_sheet_[target] = sheet;
+}
+
+void SheetMesh::merge(std::uint32_t source, std::uint32_t target) {
+    const auto merge_sheet = [&](VertexHandle sheet) {
         const HalfedgeHandle edge = manifold_edge(sheet, target, false);
-        if (!edge.is_valid()) cut_out(sheet, target);
-        if (connectivity_.status(sheet).deleted()) continue;
-        for_each_outgoing(sheet, [&](HalfedgeHandle h) { changed.push_back(connectivity_.edge_handle(h)); });
-        if (edge.is_valid()) {
-            connectivity_.collapse(edge);
-        } else {
-            sheet_position_[s] = target;
-            next_sheet_[s] = first_sheet_[target];
-            first_sheet_[target] = s;
-        }
+        if (edge.is_valid()) return collapse(edge);
+        cut_out(sheet, target);
+        if (outgoing(sheet).is_valid()) move(index_of(sheet), target);
+    };
+    if (simple_) {
+        const VertexHandle sheet(static_cast<int>(source));
+        if (outgoing(sheet).is_valid()) merge_sheet(sheet);
+        if (!simple_) first_sheet_[source] = none;
+        return;
+    }
+    std::uint32_t following = none;
+    for (std::uint32_t s = first_sheet_[source]; s != none; s = following) {
+        following = next_sheet_[s];
+        const VertexHandle sheet(static_cast<int>(s));
+        if (outgoing(sheet).is_valid()) merge_sheet(sheet);
     }
     first_sheet_[source] = none;
-    const auto gone = [&](EdgeHandle e) { return connectivity_.status(e).deleted(); };
-    changed.erase(std::remove_if(changed.begin() + static_cast<std::ptrdiff_t>(first_changed), changed.end(), gone),
-                  changed.end());
 }
 
 }  // namespace lodestream::simplify

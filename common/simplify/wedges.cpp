@@ -11,119 +11,178 @@ namespace lodestream::simplify {
 
 namespace {
 
-constexpr std::uint32_t no_vertex = 0xffffffffu;
+constexpr std::uint32_t no_wedge = 0xffffffffu;
 constexpr float texture_tolerance = 1e-5f;  // of the texture's width
 constexpr int color_tolerance = 2;          // of 255
 constexpr double other_material = 1e6;      // a foreign material is worse than any other attribute
 
+template <class Attribute>
+std::vector<Attribute> reordered(const std::vector<Attribute>& of_vertex, const std::vector<std::uint32_t>& wedge) {
+    std::vector<Attribute> of_wedge(of_vertex.size());
+    for (std::size_t v = 0; v < of_vertex.size(); ++v) of_wedge[wedge[v]] = of_vertex[v];
+    return of_wedge;
+}
+
+std::uint8_t mix(std::uint8_t a, std::uint8_t b, double weight) {
+    return static_cast<std::uint8_t>(std::lround(a + weight * (int{b} - int{a})));
+}
+
 }  // namespace
 
-Wedges::Wedges(const mesh::Mesh& mesh, const std::vector<std::uint32_t>& positions, std::uint32_t count)
-    : mesh_(mesh),
-      material_(positions.size(), 0),
-      group_(positions.size()),
-      first_(count + 1, 0),
-      vertices_(positions.size()) {
-    for (std::size_t t = mesh.triangles.size(); t-- > 0;)
-        for (const std::uint32_t v : mesh.triangles[t]) material_[v] = mesh::material_of(mesh, t);
+Attributes mix(const Attributes& a, const Attributes& b, double weight) {
+    Attributes m;
+    const auto w = static_cast<float>(weight);
+    const Vec3f normal = a.normal + w * (b.normal - a.normal);
+    const float size = length(normal);
+    m.normal = size > 1e-6f ? normal / size : a.normal;
+    m.texture_coordinate = a.texture_coordinate + w * (b.texture_coordinate - a.texture_coordinate);
+    for (int k = 0; k < 4; ++k) m.color[k] = mix(a.color[k], b.color[k], weight);
+    return m;
+}
+
+Wedges::Wedges(const mesh::Mesh& mesh, const std::vector<std::uint32_t>& positions, std::uint32_t count,
+               std::vector<std::uint32_t>& wedge_of_vertex)
+    : uses_(positions.size(), 0) {
+    first_.assign(count + 1, 0);
     for (const std::uint32_t p : positions) ++first_[p + 1];
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
     std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-    for (std::uint32_t v = 0; v < positions.size(); ++v) vertices_[next[positions[v]]++] = v;
+    wedge_of_vertex.resize(positions.size());
+    for (std::uint32_t v = 0; v < positions.size(); ++v) wedge_of_vertex[v] = next[positions[v]]++;
+    next = {};
 
-    const auto key = [&](std::uint32_t v) {
-        const Vec2f uv = mesh.texture_coordinates.empty() ? Vec2f{0.0f} : mesh.texture_coordinates[v] + Vec2f{0.0f};
-        const Rgba8 color = mesh.colors.empty() ? Rgba8{0} : mesh.colors[v];
-        return std::tuple{material_[v], std::bit_cast<std::uint32_t>(uv.x), std::bit_cast<std::uint32_t>(uv.y),
+    normals_ = reordered(mesh.normals, wedge_of_vertex);
+    texture_coordinates_ = reordered(mesh.texture_coordinates, wedge_of_vertex);
+    colors_ = reordered(mesh.colors, wedge_of_vertex);
+    if (!mesh.triangle_materials.empty()) {
+        material_.assign(positions.size(), 0);
+        for (std::size_t t = mesh.triangles.size(); t-- > 0;)
+            for (const std::uint32_t v : mesh.triangles[t]) material_[wedge_of_vertex[v]] = mesh.triangle_materials[t];
+    }
+    if (positions.size() == count)
+        first_ = {};
+    else
+        find_groups(count);
+}
+
+void Wedges::find_groups(std::uint32_t positions) {
+    const auto key = [&](std::uint32_t w) {
+        const Vec2f uv = texture_coordinates_.empty() ? Vec2f{0.0f} : texture_coordinates_[w] + Vec2f{0.0f};
+        const Rgba8 color = colors_.empty() ? Rgba8{0} : colors_[w];
+        return std::tuple{material(w), std::bit_cast<std::uint32_t>(uv.x), std::bit_cast<std::uint32_t>(uv.y),
                           std::bit_cast<std::uint32_t>(color)};
     };
+    group_.resize(uses_.size());
     std::iota(group_.begin(), group_.end(), 0u);
     std::vector<std::uint32_t> sorted;
-    for (std::uint32_t p = 0; p < count; ++p) {
+    for (std::uint32_t p = 0; p < positions; ++p) {
         const Range here = at(p);
         if (here.size() < 2) continue;
-        sorted.assign(here.begin(), here.end());
+        sorted.resize(here.size());
+        std::iota(sorted.begin(), sorted.end(), here.first);
         std::stable_sort(sorted.begin(), sorted.end(), [&](auto a, auto b) { return key(a) < key(b); });
         for (std::size_t i = 1; i < sorted.size(); ++i)
             if (key(sorted[i]) == key(sorted[i - 1])) group_[sorted[i]] = group_[sorted[i - 1]];
     }
 }
 
+bool Wedges::has_seam(std::uint32_t position) const {
+    const Range here = at(position);
+    for (std::uint32_t w = here.first; w < here.last; ++w)
+        if (group(w) != group(here.first)) return true;
+    return false;
+}
+
+Attributes Wedges::attributes(std::uint32_t wedge) const {
+    Attributes a;
+    if (!normals_.empty()) a.normal = normals_[wedge];
+    if (!texture_coordinates_.empty()) a.texture_coordinate = texture_coordinates_[wedge];
+    if (!colors_.empty()) a.color = colors_[wedge];
+    return a;
+}
+
+void Wedges::set_attributes(std::uint32_t wedge, const Attributes& a) {
+    if (!normals_.empty()) normals_[wedge] = a.normal;
+    if (!texture_coordinates_.empty()) texture_coordinates_[wedge] = a.texture_coordinate;
+    if (!colors_.empty()) colors_[wedge] = a.color;
+}
+
 bool Wedges::agree(std::uint32_t a, std::uint32_t b) const {
-    if (material_[a] != material_[b]) return false;
-    if (!mesh_.texture_coordinates.empty()) {
-        const Vec2f d = abs(mesh_.texture_coordinates[a] - mesh_.texture_coordinates[b]);
+    if (material(a) != material(b)) return false;
+    if (!texture_coordinates_.empty()) {
+        const Vec2f d = abs(texture_coordinates_[a] - texture_coordinates_[b]);
         if (!(d.x <= texture_tolerance && d.y <= texture_tolerance)) return false;
     }
-    if (!mesh_.colors.empty())
+    if (!colors_.empty())
         for (int k = 0; k < 4; ++k)
-            if (std::abs(int{mesh_.colors[a][k]} - int{mesh_.colors[b][k]}) > color_tolerance) return false;
+            if (std::abs(int{colors_[a][k]} - int{colors_[b][k]}) > color_tolerance) return false;
     return true;
 }
 
 double Wedges::normal_distance(std::uint32_t a, std::uint32_t b) const {
-    return mesh_.normals.empty() ? 0.0 : 1.0 - double{dot(mesh_.normals[a], mesh_.normals[b])};
+    return normals_.empty() ? 0.0 : 1.0 - double{dot(normals_[a], normals_[b])};
 }
 
 double Wedges::attribute_distance(std::uint32_t a, std::uint32_t b) const {
-    double distance = material_[a] == material_[b] ? 0.0 : other_material;
-    if (!mesh_.texture_coordinates.empty()) {
-        const Vec2f d = mesh_.texture_coordinates[a] - mesh_.texture_coordinates[b];
+    double distance = material(a) == material(b) ? 0.0 : other_material;
+    if (!texture_coordinates_.empty()) {
+        const Vec2f d = texture_coordinates_[a] - texture_coordinates_[b];
         distance += std::min(double{dot(d, d)}, other_material / 10);
     }
-    if (!mesh_.colors.empty())
+    if (!colors_.empty())
         for (int k = 0; k < 4; ++k) {
-            const double d = (int{mesh_.colors[a][k]} - int{mesh_.colors[b][k]}) / 255.0;
+            const double d = (int{colors_[a][k]} - int{colors_[b][k]}) / 255.0;
             distance += d * d;
         }
     return distance + 1e-3 * normal_distance(a, b);
 }
 
-std::uint32_t Wedges::nearest(std::uint32_t vertex, Range candidates) const {
-    std::uint32_t best = no_vertex;
+std::uint32_t Wedges::nearest(std::uint32_t wedge, Range candidates) const {
+    std::uint32_t best = no_wedge;
     double best_distance = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t candidate : candidates) {
-        const double distance = attribute_distance(vertex, candidate);
-        if (best != no_vertex && !(distance < best_distance)) continue;
+    for (std::uint32_t candidate = candidates.first; candidate < candidates.last; ++candidate) {
+        if (!is_used(candidate)) continue;
+        const double distance = attribute_distance(wedge, candidate);
+        if (best != no_wedge && !(distance < best_distance)) continue;
         best = candidate;
         best_distance = distance;
     }
     return best;
 }
 
-// The vertex of `target`, nearest in normal, that goes on where the group of `vertex` is told to go; else one that
-// agrees with `vertex` itself; no_vertex if there is none or the told pairs tear the group apart.
-std::uint32_t Wedges::partner_in_group(std::uint32_t vertex, std::uint32_t target,
-                                       const std::vector<Pair>& told) const {
-    std::uint32_t told_group = no_vertex, best = no_vertex;
+// The candidate, nearest in normal, that goes on where the group of `wedge` is told to go; else one that agrees with
+// `wedge` itself; no_wedge if there is none or the told pairs tear the group apart.
+std::uint32_t Wedges::partner_in_group(std::uint32_t wedge, Range candidates, const std::vector<Pair>& told) const {
+    std::uint32_t told_group = no_wedge, best = no_wedge;
     double best_distance = std::numeric_limits<double>::infinity();
     const auto consider = [&](std::uint32_t candidate, double distance) {
-        if (best != no_vertex && !(distance < best_distance)) return;
+        if (best != no_wedge && !(distance < best_distance)) return;
         best = candidate;
         best_distance = distance;
     };
     for (const Pair& pair : told) {
-        if (group_[pair.from] != group_[vertex]) continue;
-        if (told_group != no_vertex && group_[pair.to] != told_group) return no_vertex;
-        told_group = group_[pair.to];
-        if (pair.from == vertex) consider(pair.to, normal_distance(vertex, pair.to));
+        if (group(pair.from) != group(wedge)) continue;
+        if (told_group != no_wedge && group(pair.to) != told_group) return no_wedge;
+        told_group = group(pair.to);
+        if (pair.from == wedge) consider(pair.to, normal_distance(wedge, pair.to));
     }
-    if (best != no_vertex) return best;
-    for (const std::uint32_t candidate : at(target))
-        if (told_group != no_vertex ? group_[candidate] == told_group : agree(vertex, candidate))
-            consider(candidate, normal_distance(vertex, candidate));
+    if (best != no_wedge) return best;
+    for (std::uint32_t candidate = candidates.first; candidate < candidates.last; ++candidate)
+        if (is_used(candidate) && (told_group != no_wedge ? group(candidate) == told_group : agree(wedge, candidate)))
+            consider(candidate, normal_distance(wedge, candidate));
     return best;
 }
 
 bool Wedges::find_partners(const std::vector<std::uint32_t>& used, std::uint32_t target, const std::vector<Pair>& told,
                            bool keep_seams, std::vector<Pair>& partners) const {
-    for (const std::uint32_t vertex : used) {
-        std::uint32_t partner = partner_in_group(vertex, target, told);
-        if (partner == no_vertex) {
+    for (const std::uint32_t wedge : used) {
+        std::uint32_t partner = partner_in_group(wedge, at(target), told);
+        if (partner == no_wedge) {
             if (keep_seams) return false;
-            partner = nearest(vertex, at(target));
+            partner = nearest(wedge, at(target));
+            if (partner == no_wedge) return false;
         }
-        partners.push_back({vertex, partner});
+        partners.push_back({wedge, partner});
     }
     return true;
 }

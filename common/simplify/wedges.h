@@ -1,57 +1,85 @@
-// The vertices ("wedges") at each position, and which of them may stand in for which when two positions merge.
+// The vertices ("wedges") at each position with their attributes as they are now, and which of them may stand in for
+// which when two positions merge.
 #pragma once
 
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "common/mesh/mesh.h"
 
 namespace lodestream::simplify {
 
+// What a vertex has beside its position.
+struct Attributes {
+    Vec3f normal{0.0f};
+    Vec2f texture_coordinate{0.0f};
+    Rgba8 color{0};
+};
+
 class Wedges {
   public:
-    // `positions`: of every vertex its position's number, below `count`.
-    Wedges(const mesh::Mesh& mesh, const std::vector<std::uint32_t>& positions, std::uint32_t count);
+    // `positions`: of every vertex of the mesh its position's number, below `count`. Wedges are numbered by position;
+    // `wedge_of_vertex` is filled with their numbers.
+    Wedges(const mesh::Mesh& mesh, const std::vector<std::uint32_t>& positions, std::uint32_t count,
+           std::vector<std::uint32_t>& wedge_of_vertex);
 
     struct Range {
-        const std::uint32_t* first;
-        const std::uint32_t* last;
-        const std::uint32_t* begin() const { return first; }
-        const std::uint32_t* end() const { return last; }
-        std::size_t size() const { return static_cast<std::size_t>(last - first); }
+        std::uint32_t first, last;
+        std::uint32_t size() const { return last - first; }
     };
     Range at(std::uint32_t position) const {
-        return {vertices_.data() + first_[position], vertices_.data() + first_[position + 1]};
+        return first_.empty() ? Range{position, position + 1} : Range{first_[position], first_[position + 1]};
     }
+    std::size_t size() const { return uses_.size(); }
 
     // Vertices of one position that agree in texture coordinate, colour and material share a group; normals do not
     // count.
-    std::uint32_t group(std::uint32_t vertex) const { return group_[vertex]; }
+    std::uint32_t group(std::uint32_t wedge) const { return group_.empty() ? wedge : group_[wedge]; }
+    bool has_seam(std::uint32_t position) const;
+
+    // The corners of triangles at a wedge.
+    void add_use(std::uint32_t wedge) { ++uses_[wedge]; }
+    void drop_uses(std::uint32_t wedge, std::uint32_t count) { uses_[wedge] -= count; }
+    bool is_used(std::uint32_t wedge) const { return uses_[wedge] > 0; }
+
+    bool has_normals() const { return !normals_.empty(); }
+    bool has_texture_coordinates() const { return !texture_coordinates_.empty(); }
+    bool has_colors() const { return !colors_.empty(); }
+    bool has_attributes() const { return has_normals() || has_texture_coordinates() || has_colors(); }
+    const Vec2f& texture_coordinate(std::uint32_t wedge) const { return texture_coordinates_[wedge]; }
+    Attributes attributes(std::uint32_t wedge) const;
+    void set_attributes(std::uint32_t wedge, const Attributes& a);
 
     struct Pair {
         std::uint32_t from;
         std::uint32_t to;
     };
 
-    // For each vertex of `used` (all at one position) the vertex of `target` that it becomes; appended to `partners`.
-    // `told`: the pairs that the vanishing triangles join. `keep_seams`: returns false if a seam, a colour border or a
-    // material border would be torn; else the nearest attributes are taken and the answer is true.
+    // For each wedge of `used` (all at one position) the used wedge of `target` that it becomes; appended to
+    // `partners`. `told`: the pairs that the vanishing triangles join. `keep_seams`: returns false if a seam, a colour
+    // border or a material border would be torn; else the nearest attributes are taken and the answer is true.
     bool find_partners(const std::vector<std::uint32_t>& used, std::uint32_t target, const std::vector<Pair>& told,
                        bool keep_seams, std::vector<Pair>& partners) const;
 
   private:
+    std::uint32_t material(std::uint32_t wedge) const { return material_.empty() ? 0 : material_[wedge]; }
     bool agree(std::uint32_t a, std::uint32_t b) const;
     double attribute_distance(std::uint32_t a, std::uint32_t b) const;
     double normal_distance(std::uint32_t a, std::uint32_t b) const;
-    std::uint32_t partner_in_group(std::uint32_t vertex, std::uint32_t target, const std::vector<Pair>& told) const;
-    std::uint32_t nearest(std::uint32_t vertex, Range candidates) const;
+    std::uint32_t partner_in_group(std::uint32_t wedge, Range candidates, const std::vector<Pair>& told) const;
+    std::uint32_t nearest(std::uint32_t wedge, Range candidates) const;
+    void find_groups(std::uint32_t positions);
 
-    const mesh::Mesh& mesh_;
-    std::vector<std::uint32_t> material_;  // of each vertex
-    std::vector<std::uint32_t> group_;     // of each vertex: the first vertex of its group
-    std::vector<std::uint32_t> first_;     // of each position, into vertices_
-    std::vector<std::uint32_t> vertices_;
+    std::vector<Vec3f> normals_;
+    std::vector<Vec2f> texture_coordinates_;
+    std::vector<Rgba8> colors_;
+    std::vector<std::uint32_t> material_;  // empty: all are of one
+    std::vector<std::uint32_t> group_;     // the first wedge of the group; empty: each is its own
+    std::vector<std::uint32_t> first_;     // of each position; empty: each has one wedge, of its own number
+    std::vector<std::uint32_t> uses_;
 };
+
+// a + weight * (b - a), the normal of unit length again.
+Attributes mix(const Attributes& a, const Attributes& b, double weight);
 
 }  // namespace lodestream::simplify

@@ -38,12 +38,16 @@ void fit(const mesh::Model& model, const Ladder& ladder, double max_bytes, std::
 
 }  // namespace
 
-Textures textures_of(const mesh::Model& model, Ladder ladder) {
-    ladder.resize(model.images.size());
-    Textures textures{std::move(ladder), image_uses(model), texel_sizes(model)};
+Textures textures_of(Ladder ladder, std::vector<ImageUse> uses, std::vector<double> texel_sizes) {
+    ladder.resize(uses.size());
+    Textures textures{std::move(ladder), std::move(uses), std::move(texel_sizes)};
     for (std::size_t i = 0; i < textures.uses.size(); ++i)
         if (!textures.uses[i].is_used) textures.ladder[i].clear();
     return textures;
+}
+
+Textures textures_of(const mesh::Model& model, Ladder ladder) {
+    return textures_of(std::move(ladder), image_uses(model), texel_sizes(model));
 }
 
 Choice choose(const mesh::Model& model, const Textures& textures, const Needs& needs) {

@@ -23,6 +23,7 @@ struct Textures {
     std::vector<double> texel_sizes;
 };
 Textures textures_of(const mesh::Model& model, Ladder ladder);
+Textures textures_of(Ladder ladder, std::vector<ImageUse> uses, std::vector<double> texel_sizes);
 
 struct Needs {
     double pixel_size = 0.0;  // model units that a pixel of the display covers at the nearest; 0: every texel is wanted

@@ -77,9 +77,8 @@ Result<Sizes> smaller_sizes(const mesh::Image& source, const ImageUse& use) {
     }
 }
 
-Result<Ladder> make_ladder(const mesh::Model& model, std::uint64_t texels_allowed) {
+Result<Ladder> make_ladder(const mesh::Model& model, const std::vector<ImageUse>& uses, std::uint64_t texels_allowed) {
     Result<Ladder> ladder(Ladder(model.images.size()));
-    const std::vector<ImageUse> uses = image_uses(model);
     for (std::size_t i = 0; i < uses.size(); ++i) {
         if (!uses[i].is_used) continue;
         Result<Sizes> sizes = sizes_within(model.images[i], uses[i], texels_allowed);

@@ -35,6 +35,10 @@ inline constexpr std::uint64_t max_texels = 256ull << 20;
 
 // Of every used image. One that cannot be decoded or goes beyond `texels_allowed` has no sizes, and a line in the
 // result's warnings.
-Result<Ladder> make_ladder(const mesh::Model& model, std::uint64_t texels_allowed = max_texels);
+Result<Ladder> make_ladder(const mesh::Model& model, const std::vector<ImageUse>& uses,
+                           std::uint64_t texels_allowed = max_texels);
+inline Result<Ladder> make_ladder(const mesh::Model& model) {
+    return make_ladder(model, image_uses(model));
+}
 
 }  // namespace lodestream::texture

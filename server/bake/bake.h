@@ -12,20 +12,11 @@
 #include "common/codec/level_codec.h"
 #include "common/mesh/mesh.h"
 #include "common/metric/surface_distance.h"
-#include "common/simplify/history.h"
 #include "proto/messages.h"
+#include "server/bake/baked_model.h"
 #include "server/store/store.h"
 
 namespace lodestream::bake {
-
-// What a bake leaves in the store: everything that cutting any level needs.
-struct BakedModel {
-    mesh::Model model;
-    simplify::History history;
-};
-
-std::vector<std::byte> serialize(const BakedModel& baked);
-Result<BakedModel> deserialize(std::span<const std::byte> bytes);  // hostile bytes: every count and index is checked
 
 inline constexpr double ladder_ratio = 0.5;        // triangles of a rung over the rung above
 inline constexpr std::uint64_t ladder_floor = 64;  // triangles; no rung below
@@ -45,9 +36,8 @@ inline std::string ladder_key(std::uint64_t triangles) {
 }
 inline constexpr std::string_view baked_key = "bake";  // of the baked model among an asset's content
 
-// The asset's one grid, with as many bits as this level's error deserves.
-codec::QuantizationGrid level_grid(const mesh::Mesh& source, const mesh::Mesh& level,
-                                   const metric::SurfaceError& error);
+// The asset's one grid, with as many bits as this level's error deserves. `grid_bounds`: of all of the asset's levels.
+codec::QuantizationGrid level_grid(const Box& grid_bounds, const mesh::Mesh& level, const metric::SurfaceError& error);
 double mean_edge_length(const mesh::Mesh& mesh);
 double percent_of_diagonal(double error, const Box& bounds);  // 0 for an empty box
 std::string content_url(const std::string& hash);

@@ -1,11 +1,16 @@
 // The stored form of a baked model, little-endian:
-//   magic "LODBAKE1", then the fields below in order. A vector is its element count (u64) and its elements; a string
-//   its byte count (u64) and its bytes.
+//   magic "LODBAKE2", then the fields below in order. A vector is its element count (u64) and its elements; a string
+//   its byte count (u64) and its bytes. Arrays of the history begin at the next multiple of 8 after their count, so
+//   that they can be used where they lie.
+#include "server/bake/baked_model.h"
+
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <type_traits>
 
-#include "server/bake/bake.h"
+#include "common/mesh/operations.h"
 
 namespace lodestream::bake {
 
@@ -14,8 +19,17 @@ static_assert(std::endian::native == std::endian::little,
 
 namespace {
 
-constexpr char magic[] = "LODBAKE1";
+constexpr char magic[] = "LODBAKE2";
 constexpr std::size_t magic_bytes = sizeof(magic) - 1;
+constexpr std::size_t array_alignment = 8;
+
+// Whether the memory of a T is the same for equal values: it has no gaps.
+template <class T>
+inline constexpr bool has_plain_bytes = std::is_trivially_copyable_v<T> && !std::is_same_v<T, texture::ImageUse>;
+
+constexpr std::size_t padding(std::size_t size) {
+    return (array_alignment - size % array_alignment) % array_alignment;
+}
 
 class Writer {
   public:
@@ -33,7 +47,7 @@ class Writer {
     template <class T>
     void operator()(const std::vector<T>& values) {
         (*this)(static_cast<std::uint64_t>(values.size()));
-        if constexpr (std::is_trivially_copyable_v<T>) {
+        if constexpr (has_plain_bytes<T>) {
             raw(values.data(), values.size() * sizeof(T));
         } else {
             for (const T& value : values) describe(*this, value);
@@ -43,12 +57,18 @@ class Writer {
         (*this)(static_cast<std::uint64_t>(text.size()));
         raw(text.data(), text.size());
     }
+    template <class T>
+    void array(const std::vector<T>& values) {
+        (*this)(static_cast<std::uint64_t>(values.size()));
+        bytes.resize(bytes.size() + padding(bytes.size()));
+        raw(values.data(), values.size() * sizeof(T));
+    }
 };
 
 // Reads what Writer wrote; after the first shortage every read gives nothing and ok() is false.
 class Reader {
   public:
-    explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
+    explicit Reader(std::span<const std::byte> bytes) : size_(bytes.size()), rest_(bytes) {}
 
     bool ok() const { return ok_; }
     bool at_end() const { return rest_.empty(); }
@@ -68,9 +88,9 @@ class Reader {
     }
     template <class T>
     void operator()(std::vector<T>& values) {
-        const std::size_t count = read_count(std::is_trivially_copyable_v<T> ? sizeof(T) : 1);
+        const std::size_t count = read_count(has_plain_bytes<T> ? sizeof(T) : 1);
         values.resize(count);
-        if constexpr (std::is_trivially_copyable_v<T>) {
+        if constexpr (has_plain_bytes<T>) {
             raw(values.data(), count * sizeof(T));
         } else {
             for (T& value : values) describe(*this, value);
@@ -79,6 +99,17 @@ class Reader {
     void operator()(std::string& text) {
         text.resize(read_count(1));
         raw(text.data(), text.size());
+    }
+    template <class T>
+    void array(std::span<const T>& values) {
+        static_assert(alignof(T) <= array_alignment && std::is_trivially_copyable_v<T>);
+        const std::size_t count = read_count(sizeof(T)), skip = padding(size_ - rest_.size());
+        if (!ok_ || skip + count * sizeof(T) > rest_.size()) {
+            ok_ = false;
+            return;
+        }
+        values = {reinterpret_cast<const T*>(rest_.data() + skip), count};
+        rest_ = rest_.subspan(skip + count * sizeof(T));
     }
 
   private:
@@ -90,6 +121,7 @@ class Reader {
         return ok_ ? static_cast<std::size_t>(count) : 0;
     }
 
+    std::size_t size_;
     std::span<const std::byte> rest_;
     bool ok_ = true;
 };
@@ -112,6 +144,14 @@ void describe(Stream& stream, Material& m) {
     stream(m.double_sided);
 }
 
+template <class Stream, class Use>
+requires std::is_same_v<std::remove_const_t<Use>, texture::ImageUse>
+void describe(Stream& stream, Use& use) {
+    stream(use.is_used);
+    stream(use.content);
+    stream(use.reads_alpha);
+}
+
 template <class Stream, class Image>
 requires std::is_same_v<std::remove_const_t<Image>, mesh::Image>
 void describe(Stream& stream, Image& image) {
@@ -124,62 +164,85 @@ void describe(Stream& stream, Image& image) {
 template <class Stream, class Baked>
 void describe_all(Stream& stream, Baked& baked) {
     auto& model = baked.model;
-    stream(model.mesh.positions);
-    stream(model.mesh.normals);
-    stream(model.mesh.texture_coordinates);
-    stream(model.mesh.colors);
-    stream(model.mesh.triangles);
-    stream(model.mesh.triangle_materials);
     stream(model.materials);
     stream(model.images);
     stream(model.origin);
     stream(model.kind);
     stream(model.objects);
-    stream(baked.history.vertex_parent);
-    stream(baked.history.vertex_step);
-    stream(baked.history.triangle_order);
-    stream(baked.history.triangle_step);
+    stream(baked.bounds);
+    stream(baked.grid_bounds);
+    stream(baked.image_uses);
+    stream(baked.texel_sizes);
+    stream(baked.errors);
+    auto& history = baked.history;
+    stream.array(history.steps);
+    stream.array(history.positions);
+    stream.array(history.normals);
+    stream.array(history.texture_coordinates);
+    stream.array(history.colors);
+    stream.array(history.changed_vertices);
+    stream.array(history.corner_moves);
+    stream.array(history.triangles);
+    stream.array(history.triangle_materials);
 }
 
-Error damaged(const char* what) {
-    return fail(ErrorCode::invalid_input, std::string("baked model is damaged: ") + what);
+Error damaged(const std::string& what) {
+    return fail(ErrorCode::invalid_input, "baked model is damaged: " + what);
 }
 
-bool fits(std::size_t attribute, std::size_t elements) {
-    return attribute == 0 || attribute == elements;
+bool finite(const Box& box) {
+    return all_finite(box.min) && all_finite(box.max);
 }
 
-bool finite(const std::vector<Vec3f>& vectors) {
-    for (const Vec3f& v : vectors)
-        if (!all_finite(v)) return false;
-    return true;
-}
-
-Status validate(const mesh::Model& model) {
-    const mesh::Mesh& m = model.mesh;
-    const std::size_t vertices = m.positions.size();
-    if (!fits(m.normals.size(), vertices) || !fits(m.texture_coordinates.size(), vertices) ||
-        !fits(m.colors.size(), vertices))
-        return damaged("attribute counts differ");
-    if (!fits(m.triangle_materials.size(), m.triangles.size())) return damaged("material count differs");
-    if (!finite(m.positions) || !finite(m.normals) || !all_finite(model.origin))
-        return damaged("numbers are not finite");
-    for (const mesh::Triangle& t : m.triangles)
-        for (std::uint32_t v : t)
-            if (v >= vertices) return damaged("a triangle names a vertex that is not there");
-    for (std::size_t t = 0; t < m.triangles.size(); ++t)
-        if (mesh::material_of(m, t) >= model.materials.size())
-            return damaged("a triangle names a material that is not there");
+Status validate_materials(const BakedView& baked) {
+    const mesh::Model& model = baked.model;
+    for (const std::uint32_t material : baked.history.triangle_materials)
+        if (material >= model.materials.size()) return damaged("a triangle names a material that is not there");
+    if (model.materials.empty()) return damaged("it has no material");
     for (const mesh::Material& material : model.materials)
         for (const mesh::TextureReference* texture :
              {&material.base_color_texture, &material.metallic_roughness_texture, &material.occlusion_texture,
               &material.emissive_texture})
             if (texture->image >= static_cast<int>(model.images.size()))
                 return damaged("a material names an image that is not there");
+    if (baked.image_uses.size() != model.images.size() || baked.texel_sizes.size() != model.images.size())
+        return damaged("image counts differ");
     return Nothing{};
 }
 
+Status validate_errors(const std::vector<ErrorSample>& errors) {
+    if (errors.empty()) return damaged("it has no measured error");
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+        const ErrorSample& sample = errors[i];
+        if (!std::isfinite(sample.error.rms) || !std::isfinite(sample.error.max) || sample.error.rms < 0)
+            return damaged("an error is no number");
+        if (i > 0 && sample.triangles >= errors[i - 1].triangles) return damaged("its errors are not in order");
+    }
+    return Nothing{};
+}
+
+Status validate(const BakedView& baked) {
+    if (!all_finite(baked.model.origin) || !finite(baked.bounds) || !finite(baked.grid_bounds))
+        return damaged("numbers are not finite");
+    if (baked.history.steps.empty()) return damaged("it has no level");
+    if (Status valid = validate_errors(baked.errors); !valid) return valid.error();
+    if (Status valid = simplify::validate(baked.history); !valid) return damaged(valid.error().message);
+    return validate_materials(baked);
+}
+
 }  // namespace
+
+BakedModel make_baked_model(mesh::Model model, simplify::History history) {
+    BakedModel baked;
+    baked.bounds = mesh::bounds(model.mesh);
+    for (const Vec3f& p : history.positions) baked.grid_bounds.add(Vec3d(p));
+    baked.image_uses = texture::image_uses(model);
+    baked.texel_sizes = texture::texel_sizes(model);
+    baked.model = std::move(model);
+    baked.model.mesh = {};
+    baked.history = std::move(history);
+    return baked;
+}
 
 std::vector<std::byte> serialize(const BakedModel& baked) {
     Writer writer;
@@ -188,20 +251,31 @@ std::vector<std::byte> serialize(const BakedModel& baked) {
     return std::move(writer.bytes);
 }
 
-Result<BakedModel> deserialize(std::span<const std::byte> bytes) {
+Result<BakedView> open_baked_model(std::span<const std::byte> bytes) {
     Reader reader(bytes);
     char found[magic_bytes] = {};
     reader.raw(found, magic_bytes);
-    if (!reader.ok() || std::memcmp(found, magic, magic_bytes) != 0) return damaged("it does not start with LODBAKE1");
-    BakedModel baked;
+    if (!reader.ok() || std::memcmp(found, magic, magic_bytes) != 0) return damaged("it does not start with LODBAKE2");
+    BakedView baked;
     describe_all(reader, baked);
     if (!reader.ok()) return damaged("it ends too early");
     if (!reader.at_end()) return damaged("bytes follow its end");
-    if (Status valid = validate(baked.model); !valid) return valid.error();
-    const mesh::Mesh& m = baked.model.mesh;
-    if (Status valid = simplify::validate(baked.history, m.positions.size(), m.triangles.size()); !valid)
-        return valid.error();
+    if (Status valid = validate(baked); !valid) return valid.error();
     return baked;
+}
+
+metric::SurfaceError error_of(std::span<const ErrorSample> errors, std::uint64_t triangles) {
+    // The first sample that is not finer.
+    const auto coarser = std::lower_bound(errors.begin(), errors.end(), triangles,
+                                          [](const ErrorSample& s, std::uint64_t n) { return s.triangles > n; });
+    if (coarser == errors.end()) return errors.back().error;
+    if (coarser->triangles == triangles || coarser == errors.begin()) return coarser->error;
+    const ErrorSample& finer = *(coarser - 1);
+    if (!(finer.error.rms > 0) || coarser->triangles == 0) return coarser->error;
+    const auto logarithm = [](std::uint64_t n) { return std::log(static_cast<double>(n)); };
+    const double share = (logarithm(finer.triangles) - logarithm(triangles)) /
+                         (logarithm(finer.triangles) - logarithm(coarser->triangles));
+    return {finer.error.rms * std::pow(coarser->error.rms / finer.error.rms, share), coarser->error.max};
 }
 
 }  // namespace lodestream::bake

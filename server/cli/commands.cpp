@@ -165,7 +165,7 @@ Status cut(const CutArguments& arguments) {
     Result<Written> written = write_model(arguments.out, level->model, level->error.rms, {});
     if (!written) return written.error();
     const proto::CutRecord record{arguments.asset,  written->triangles,       written->vertices,     written->bytes,
-                                  level->cut_ms,    written->encode_ms,       level->measure_ms,     level->error.rms,
+                                  level->cut_ms,    written->encode_ms,       level->error.rms,
                                   level->error.max, level->rms_error_percent, arguments.out.string()};
     if (arguments.json) {
         std::printf("%s\n", proto::cut_record(record).c_str());

@@ -1,41 +1,31 @@
 #include "server/planner/baked_cache.h"
 
 #include <algorithm>
-#include <chrono>
 
-#include "common/mesh/operations.h"
+#include "server/bake/bake.h"
 #include "server/bake/textures.h"
 
 namespace lodestream::planner {
 
-LoadedAsset::LoadedAsset(bake::BakedModel model, texture::Ladder ladder)
-    : baked(std::move(model)),
-      textures(texture::textures_of(baked.model, std::move(ladder))),
-      index(baked.model.mesh),
-      bounds(mesh::bounds(baked.model.mesh)) {
-    world_bounds.min = bounds.min + baked.model.origin;
-    world_bounds.max = bounds.max + baked.model.origin;
+namespace {
+
+Result<std::shared_ptr<const LoadedAsset>> open_asset(const store::Store& store, const std::string& asset_id,
+                                                      const store::StoredFile& stored) {
+    Result<store::MappedFile> file = store::MappedFile::open(stored.path, max_baked_bytes);
+    if (!file) return file.error();
+    Result<bake::BakedView> baked = bake::open_baked_model(file->bytes());
+    if (!baked) return baked.error();
+    Result<texture::Ladder> ladder = bake::load_textures(store, asset_id, baked->model.images.size());
+    if (!ladder) return ladder.error();
+    texture::Textures textures = texture::textures_of(*std::move(ladder), baked->image_uses, baked->texel_sizes);
+    const Box world{baked->bounds.min + baked->model.origin, baked->bounds.max + baked->model.origin};
+    return std::make_shared<const LoadedAsset>(
+        LoadedAsset{*std::move(file), *std::move(baked), std::move(textures), world});
 }
 
-metric::SurfaceError LoadedAsset::error_of(const mesh::Mesh& level, double& measure_ms) {
-    measure_ms = 0.0;
-    if (level.triangles.size() == baked.model.mesh.triangles.size()) return {};
-    const std::uint64_t triangles = level.triangles.size();
-    {
-        const std::lock_guard lock(mutex_);
-        if (const auto known = errors_.find(triangles); known != errors_.end()) return known->second;
-    }
-    const auto start = std::chrono::steady_clock::now();
-    const metric::SurfaceError error = metric::measure(index, baked.model.mesh, level);
-    measure_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}  // namespace
 
-    const std::lock_guard lock(mutex_);
-    if (errors_.size() >= max_remembered_errors) errors_.clear();
-    errors_.emplace(triangles, error);
-    return error;
-}
-
-Result<std::shared_ptr<LoadedAsset>> BakedCache::load(const std::string& asset_id) {
+Result<std::shared_ptr<const LoadedAsset>> BakedCache::load(const std::string& asset_id) {
     Result<store::Store::Content> content = store_.content(asset_id, bake::baked_key);
     if (!content) return content.error();
 
@@ -48,14 +38,9 @@ Result<std::shared_ptr<LoadedAsset>> BakedCache::load(const std::string& asset_i
     }
     if (entry != entries_.end()) entries_.erase(entry);
 
-    Result<std::vector<std::byte>> bytes = store::read_file(content->file.path, max_baked_bytes);
-    if (!bytes) return bytes.error();
-    Result<bake::BakedModel> baked = bake::deserialize(*bytes);
-    if (!baked) return baked.error();
-    Result<texture::Ladder> ladder = bake::load_textures(store_, asset_id, baked->model.images.size());
-    if (!ladder) return ladder.error();
-    auto asset = std::make_shared<LoadedAsset>(std::move(*baked), std::move(*ladder));
-    entries_.push_front({asset_id, content->file.hash, bytes->size() * memory_per_stored_byte, asset});
+    Result<std::shared_ptr<const LoadedAsset>> asset = open_asset(store_, asset_id, content->file);
+    if (!asset) return asset;
+    entries_.push_front({asset_id, content->file.hash, content->file.bytes, *asset});
     make_room();
     return asset;
 }

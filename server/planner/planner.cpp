@@ -119,14 +119,14 @@ struct Planner::Impl {
 
     Result<proto::PlanResponse> plan(const proto::PlanRequest& request);
     Result<proto::PlanResponse> plan_level(const proto::PlanRequest& request, const proto::Asset& asset,
-                                           LoadedAsset& loaded, const texture::Choice& textures,
+                                           const LoadedAsset& loaded, const texture::Choice& textures,
                                            const budget::Budget& budget);
-    Status add_content(proto::PlanResponse& response, const proto::Asset& asset, LoadedAsset& loaded,
+    Status add_content(proto::PlanResponse& response, const proto::Asset& asset, const LoadedAsset& loaded,
                        const LevelRequest& wanted);
 };
 
 // Cuts, measures, splits, encodes and stores one level, unless the store has it.
-Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::Asset& asset, LoadedAsset& loaded,
+Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::Asset& asset, const LoadedAsset& loaded,
                                   const LevelRequest& wanted) {
     const SplitRequest& split = wanted.split;
     const std::string key = content_key(wanted, loaded.world_bounds.center());
@@ -144,16 +144,16 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
 
     const Stopwatch cutting;
     const mesh::Model& model = loaded.baked.model;
-    const mesh::Mesh level = simplify::cut(model.mesh, loaded.baked.history, wanted.triangles);
+    const mesh::Mesh level = simplify::cut(loaded.baked.history, wanted.triangles);
     response.timing_ms.cut = cutting.ms();
-    const metric::SurfaceError error = loaded.error_of(level, response.timing_ms.measure);
+    const metric::SurfaceError error = bake::error_of(loaded.baked.errors, level.triangles.size());
     response.level.rms_error = error.rms;
     response.level.max_error = error.max;
-    response.level.rms_error_percent = bake::percent_of_diagonal(error.rms, loaded.bounds);
+    response.level.rms_error_percent = bake::percent_of_diagonal(error.rms, loaded.baked.bounds);
 
     const Stopwatch encoding;
     codec::EncodeOptions options;
-    options.grid = bake::level_grid(model.mesh, level, error);
+    options.grid = bake::level_grid(loaded.baked.grid_bounds, level, error);
     options.images = wanted.textures.images;
     response.level.triangles = level.triangles.size();
     const Extras extras = [&](const EncodedSplit& attempt) {
@@ -179,7 +179,7 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
 }
 
 Result<proto::PlanResponse> Planner::Impl::plan_level(const proto::PlanRequest& request, const proto::Asset& asset,
-                                                      LoadedAsset& loaded, const texture::Choice& textures,
+                                                      const LoadedAsset& loaded, const texture::Choice& textures,
                                                       const budget::Budget& budget) {
     proto::PlanResponse response;
     response.dlr = budget.dlr;
@@ -214,7 +214,7 @@ Result<proto::PlanResponse> Planner::Impl::plan(const proto::PlanRequest& reques
     Result<proto::Asset> asset = store.asset(request.asset);
     if (!asset) return asset.error();
     if (asset->status != proto::AssetStatus::ready) return not_ready(*asset);
-    Result<std::shared_ptr<LoadedAsset>> loaded = cache.load(asset->id);
+    Result<std::shared_ptr<const LoadedAsset>> loaded = cache.load(asset->id);
     if (!loaded) return loaded.error();
 
     const texture::Choice textures =
@@ -248,24 +248,24 @@ Result<Planner::Cut> Planner::cut(std::string_view name, std::uint64_t triangles
     Result<proto::Asset> asset = impl_->store.asset(name);
     if (!asset) return asset.error();
     if (asset->status != proto::AssetStatus::ready) return not_ready(*asset);
-    Result<std::shared_ptr<LoadedAsset>> loaded = impl_->cache.load(asset->id);
+    Result<std::shared_ptr<const LoadedAsset>> loaded = impl_->cache.load(asset->id);
     if (!loaded) return loaded.error();
 
     const mesh::Model& model = (*loaded)->baked.model;
     Cut result;
     const Stopwatch watch;
-    result.model.mesh = simplify::cut(model.mesh, (*loaded)->baked.history, triangles);
+    result.model.mesh = simplify::cut((*loaded)->baked.history, triangles);
     result.cut_ms = watch.ms();
     result.model.materials = model.materials;
     result.model.images = model.images;
     result.model.origin = model.origin;
     result.model.kind = model.kind;
     result.model.objects = model.objects;
-    result.error = (*loaded)->error_of(result.model.mesh, result.measure_ms);
+    result.error = bake::error_of((*loaded)->baked.errors, result.model.mesh.triangles.size());
     const texture::Choice textures = texture::choose(model, (*loaded)->textures, bake::level_needs(result.error));
     for (std::size_t i = 0; i < textures.images.size(); ++i)
         if (textures.images[i].image) result.model.images[i] = *textures.images[i].image;
-    result.rms_error_percent = bake::percent_of_diagonal(result.error.rms, (*loaded)->bounds);
+    result.rms_error_percent = bake::percent_of_diagonal(result.error.rms, (*loaded)->baked.bounds);
     return result;
 }
 

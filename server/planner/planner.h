@@ -30,7 +30,6 @@ class Planner {
         metric::SurfaceError error;
         double rms_error_percent = 0.0;
         double cut_ms = 0.0;
-        double measure_ms = 0.0;
     };
     Result<Cut> cut(std::string_view asset, std::uint64_t triangles);
 

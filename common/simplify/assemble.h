@@ -1,0 +1,15 @@
+// Turns what was recorded, fine to coarse, into a history, coarse to fine.
+#pragma once
+
+#include <vector>
+
+#include "common/simplify/history.h"
+#include "common/simplify/log.h"
+#include "common/simplify/surface.h"
+
+namespace lodestream::simplify {
+
+// `logs`: of all workers; a log's steps build on those of earlier logs only.
+History assemble(const mesh::Mesh& mesh, const Surface& surface, const std::vector<Log>& logs);
+
+}  // namespace lodestream::simplify

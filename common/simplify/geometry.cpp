@@ -1,0 +1,120 @@
+#include "common/simplify/geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "common/mesh/operations.h"
+#include "common/simplify/sheet_mesh.h"
+
+namespace lodestream::simplify {
+
+namespace {
+
+// Areas of the largest triangles must stay well inside single precision.
+constexpr int max_extent_exponent = 54;
+
+// Bits 0, 3, 6, … of the result are the 21 bits of `v`.
+std::uint64_t spread_bits(std::uint64_t v) {
+    v = (v | v << 32) & 0x1f00000000ffffull;
+    v = (v | v << 16) & 0x1f0000ff0000ffull;
+    v = (v | v << 8) & 0x100f00f00f00f00full;
+    v = (v | v << 4) & 0x10c30c30c30c30c3ull;
+    return (v | v << 2) & 0x1249249249249249ull;
+}
+
+// Place along a Morton curve of a point of the unit cube.
+std::uint64_t morton_code(const Vec3d& p) {
+    const auto cell = [](double x) { return static_cast<std::uint64_t>(std::clamp(x, 0.0, 1.0) * 0x1fffff); };
+    return spread_bits(cell(p.x)) | spread_bits(cell(p.y)) << 1 | spread_bits(cell(p.z)) << 2;
+}
+
+struct Place {
+    std::uint64_t code;
+    std::uint32_t triangle;
+};
+
+// Sorts by code; places of one code stay in their order. Radix sort: the codes are long and many.
+void sort_by_code(std::vector<Place>& places) {
+    constexpr unsigned digit_bits = 11, code_bits = 63;
+    constexpr std::size_t digits = std::size_t{1} << digit_bits;
+    std::vector<Place> other(places.size());
+    for (unsigned shift = 0; shift < code_bits; shift += digit_bits) {
+        const auto digit = [&](const Place& p) { return static_cast<std::size_t>(p.code >> shift) & (digits - 1); };
+        std::vector<std::size_t> begin(digits + 1, 0);
+        for (const Place& p : places) ++begin[digit(p) + 1];
+        if (std::find(begin.begin(), begin.end(), places.size()) != begin.end()) continue;  // all of one digit
+        std::partial_sum(begin.begin(), begin.end(), begin.begin());
+        for (const Place& p : places) other[begin[digit(p)]++] = p;
+        places.swap(other);
+    }
+}
+
+std::vector<std::uint32_t> triangles_along_curve(const mesh::Mesh& mesh, const Box& box) {
+    const Vec3d extent = box.extent();
+    const double size = std::max({extent.x, extent.y, extent.z});
+    const double to_unit = size > 0 ? 1.0 / size : 0.0;
+    std::vector<Place> places(mesh.triangles.size());
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const mesh::Triangle& v = mesh.triangles[t];
+        Vec3d sum{0.0};
+        for (const std::uint32_t corner : v) sum += Vec3d(mesh.positions[corner]) - box.min;
+        places[t] = {morton_code(sum * (to_unit / 3.0)), t};
+    }
+    sort_by_code(places);
+    std::vector<std::uint32_t> order;
+    order.reserve(places.size());
+    for (const Place& place : places) order.push_back(place.triangle);
+    return order;
+}
+
+// The mean exponent of the triangles' sides: one far vertex does not move it.
+int typical_exponent(const mesh::Mesh& mesh, const Box& box) {
+    double sum = 0;
+    std::size_t count = 0;
+    for (const mesh::Triangle& t : mesh.triangles) {
+        const double side = distance(Vec3d(mesh.positions[t[0]]), Vec3d(mesh.positions[t[1]]));
+        if (!(side > 0)) continue;
+        sum += std::ilogb(side);
+        ++count;
+    }
+    const int typical = count > 0 ? static_cast<int>(std::floor(sum / static_cast<double>(count))) : 0;
+    const double diagonal = box.diagonal();
+    const int extent = diagonal > 0 ? std::ilogb(diagonal) + 1 : 0;
+    return std::max(typical, extent - max_extent_exponent);
+}
+
+}  // namespace
+
+Geometry weld(const mesh::Mesh& mesh) {
+    Geometry g;
+    const Box box = mesh::bounds(mesh);
+    g.exponent = typical_exponent(mesh, box);
+    const std::vector<std::uint32_t> first = mesh::weld_positions(mesh.positions);
+    std::vector<std::uint32_t> number(first.size(), none);
+    const auto number_of = [&](std::uint32_t vertex) {
+        std::uint32_t& position = number[vertex];
+        if (position == none) {
+            position = static_cast<std::uint32_t>(g.points.size());
+            const Vec3f& p = mesh.positions[vertex];
+            g.points.emplace_back(std::ldexp(p.x, -g.exponent), std::ldexp(p.y, -g.exponent),
+                                  std::ldexp(p.z, -g.exponent));
+        }
+        return position;
+    };
+    g.triangle_of.reserve(mesh.triangles.size());
+    g.faces.reserve(mesh.triangles.size());
+    for (const std::uint32_t t : triangles_along_curve(mesh, box)) {
+        mesh::Triangle corners = mesh.triangles[t];
+        for (std::uint32_t& c : corners) c = first[c];
+        if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
+        for (std::uint32_t& c : corners) c = number_of(c);
+        g.triangle_of.push_back(t);
+        g.faces.push_back(corners);
+    }
+    g.position_of.resize(first.size());
+    for (std::size_t v = 0; v < first.size(); ++v) g.position_of[v] = number_of(first[v]);
+    return g;
+}
+
+}  // namespace lodestream::simplify

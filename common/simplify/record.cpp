@@ -1,0 +1,223 @@
+// The conductor of a recording: large surfaces are first simplified region by region, side by side; then what is left
+// as a whole, down to one triangle.
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <new>
+
+#include "common/simplify/assemble.h"
+#include "common/simplify/components.h"
+#include "common/simplify/history.h"
+#include "common/simplify/surface.h"
+#include "common/simplify/worker.h"
+
+namespace lodestream::simplify {
+
+namespace {
+
+constexpr std::size_t min_region_faces = 1u << 15;  // below, the seams between regions cost more than they gain
+constexpr std::size_t max_regions = 32;
+constexpr double region_share = 0.3;  // of a region's triangles that are left when it is done
+
+constexpr double retry_share = 0.9;  // refused merges are tried again when this share of the triangles is left
+constexpr std::size_t merges_per_report = 8192;
+
+// Progress and cancellation, from any worker.
+class Monitor {
+  public:
+    Monitor(const RecordOptions& options, std::size_t faces) : options_(options), faces_(faces) {}
+
+    bool cancelled() const { return cancelled_; }
+    // `vanished`: faces since the last call of this worker. Returns whether to go on.
+    bool report(std::size_t vanished) {
+        const std::size_t total = vanished_ += vanished;
+        if (!options_.progress || calling_.test_and_set()) return !cancelled_;
+        const double share = static_cast<double>(total) / static_cast<double>(std::max<std::size_t>(1, faces_));
+        shown_ = std::max(shown_, std::min(1.0, share));
+        if (!cancelled_ && !options_.progress(shown_)) cancelled_ = true;
+        calling_.clear();
+        return !cancelled_;
+    }
+
+  private:
+    const RecordOptions& options_;
+    const std::size_t faces_;
+    std::atomic<std::size_t> vanished_{0};
+    std::atomic<bool> cancelled_{false};
+    std::atomic_flag calling_ = ATOMIC_FLAG_INIT;
+    double shown_ = 0.0;
+};
+
+class Recorder {
+  public:
+    Recorder(const mesh::Mesh& mesh, const RecordOptions& options)
+        : options_(options), surface_(mesh), monitor_(options, surface_.live_faces()) {
+        in_region_.assign(surface_.geometry().points.size(), 0);
+    }
+
+    Result<History> run(const mesh::Mesh& mesh) {
+        for (std::size_t round = 0; simplify_regions(round); ++round)
+            if (monitor_.cancelled()) break;
+        if (!monitor_.cancelled()) simplify_whole();
+        if (monitor_.cancelled()) return fail(ErrorCode::unavailable, "simplification was cancelled");
+        surface_.end_merging();
+        in_region_ = {};
+        return assemble(mesh, surface_, logs_);
+    }
+
+  private:
+    std::vector<std::uint32_t> live_positions() const;
+    bool simplify_regions(std::size_t round);
+    void simplify_region(std::span<const std::uint32_t> positions, Log& log);
+
+    void simplify_whole();
+    void drop_part(Components& parts, std::uint32_t part, std::uint32_t keep, double cost);
+
+    const RecordOptions& options_;
+    Surface surface_;
+    Monitor monitor_;
+    std::vector<Log> logs_;
+    std::vector<std::uint8_t> in_region_;  // of each position
+};
+
+std::vector<std::uint32_t> Recorder::live_positions() const {
+    std::vector<std::uint32_t> positions;
+    for (std::uint32_t p = 0; p < in_region_.size(); ++p) {
+        bool live = false;
+        surface_.sheets().for_each_sheet(p, [&](VertexHandle) { live = true; });
+        if (live) positions.push_back(p);
+    }
+    return positions;
+}
+
+// Positions are numbered along a curve through space, so a run of them is a region. Every other round the regions lie
+// half a region further: what was at a border comes inside. Returns false where the surface is too small for that.
+bool Recorder::simplify_regions(std::size_t round) {
+    const std::vector<std::uint32_t> positions = live_positions();
+    const std::size_t regions = std::min(max_regions, 2 * positions.size() / min_region_faces);
+    if (regions < 2) return false;
+    surface_.allow_all();
+    std::vector<std::size_t> ends;
+    for (std::size_t r = 1; r <= regions; ++r) ends.push_back(positions.size() * (2 * r - round % 2) / (2 * regions));
+    if (ends.back() < positions.size()) ends.push_back(positions.size());
+
+    const std::size_t first_log = logs_.size();
+    logs_.resize(first_log + ends.size());
+    const auto task = [&](std::size_t r) {
+        const std::size_t begin = r == 0 ? 0 : ends[r - 1];
+        simplify_region(std::span(positions).subspan(begin, ends[r] - begin), logs_[first_log + r]);
+    };
+    if (options_.executor)
+        options_.executor(ends.size(), task);
+    else
+        for (std::size_t r = 0; r < ends.size(); ++r) task(r);
+    return true;
+}
+
+// `positions`: by rising number. Those with a neighbour elsewhere stay as they are.
+void Recorder::simplify_region(std::span<const std::uint32_t> positions, Log& log) {
+    const SheetMesh& sheets = surface_.sheets();
+    std::vector<std::uint32_t> inside;
+    for (const std::uint32_t p : positions) {
+        bool inner = sheets.has_one_sheet(p);
+        sheets.for_each_outgoing(p, [&](HalfedgeHandle h) {
+            const std::uint32_t q = sheets.to(h);
+            inner = inner && q >= positions.front() && q <= positions.back();
+        });
+        in_region_[p] = inner;
+        if (inner) inside.push_back(p);
+    }
+    Worker worker(surface_, log);
+    worker.start(inside, in_region_, first_harmful_rules);
+    const auto goal = static_cast<std::size_t>(2.0 * (1.0 - region_share) * static_cast<double>(inside.size()));
+    log.reserve(goal / 2, surface_.wedges());
+    std::size_t reported = 0, merges = 0;
+    for (std::size_t vanished = 0; vanished < goal;) {
+        if (merges++ % merges_per_report == 0) {
+            if (!monitor_.report(vanished - reported)) break;
+            reported = vanished;
+        }
+        const Merge merge = worker.next();
+        if (!merge.edge.is_valid()) break;
+        vanished += worker.take(merge, 3);
+        if (vanished >= goal) monitor_.report(vanished - reported);
+    }
+    std::fill(in_region_.begin() + positions.front(), in_region_.begin() + positions.back() + 1, std::uint8_t{0});
+}
+
+// Drops all but `keep` triangles of a part, smallest first.
+void Recorder::drop_part(Components& parts, std::uint32_t part, std::uint32_t keep, double cost) {
+    std::vector<std::uint32_t> faces;
+    for (std::uint32_t i = parts.first_face[part]; i < parts.first_face[part + 1]; ++i)
+        if (surface_.is_live(parts.faces[i])) faces.push_back(parts.faces[i]);
+    parts.live[part] = keep;
+    const std::size_t count = faces.size() - keep;
+    surface_.drop_smallest_first(std::move(faces), count, key_of_cost(cost), logs_.back());
+}
+
+void Recorder::simplify_whole() {
+    surface_.allow_all();
+    Components parts = find_components(surface_);
+    std::fill(in_region_.begin(), in_region_.end(), std::uint8_t{1});
+    logs_.emplace_back();
+    const std::vector<std::uint32_t> positions = live_positions();
+    logs_.back().reserve(positions.size(), surface_.wedges());
+    Worker worker(surface_, logs_.back());
+    worker.start(positions, in_region_, refused);
+
+    std::size_t live = surface_.live_faces(), next_part = 0, merges = 0, reported = live, merges_since_retry = 0;
+    auto retry_below = static_cast<std::size_t>(retry_share * static_cast<double>(live));
+    const auto retry = [&] {
+        retry_below = static_cast<std::size_t>(retry_share * static_cast<double>(live));
+        merges_since_retry = 0;
+        return worker.retry_refused();
+    };
+    // The most visible part always stays.
+    const auto drop_parts_cheaper_than = [&](double cost) {
+        for (; next_part + 1 < parts.by_visibility.size(); ++next_part) {
+            const std::uint32_t part = parts.by_visibility[next_part];
+            if (!(parts.visibility[part] < cost)) return;
+            live -= parts.live[part];
+            drop_part(parts, part, 0, parts.visibility[part]);
+        }
+    };
+
+    for (;;) {
+        if (merges++ % merges_per_report == 0) {
+            if (!monitor_.report(reported - live)) return;
+            reported = live;
+        }
+        if (live < retry_below) retry();
+        const Merge merge = worker.next();
+        if (!merge.edge.is_valid()) {
+            if (merges_since_retry == 0 || !retry()) break;
+            continue;
+        }
+        drop_parts_cheaper_than(merge.cost);
+        std::uint32_t& of_part = parts.live[parts.of_position[surface_.sheets().from(merge.edge)]];
+        if (of_part == 0) {
+            worker.skip();
+            continue;
+        }
+        const std::size_t vanished = worker.take(merge, of_part);
+        live -= vanished;
+        of_part -= static_cast<std::uint32_t>(vanished);
+        if (vanished > 0) ++merges_since_retry;
+    }
+    drop_parts_cheaper_than(std::numeric_limits<double>::infinity());
+    if (next_part < parts.by_visibility.size())
+        drop_part(parts, parts.by_visibility[next_part], 1, std::numeric_limits<double>::max());
+}
+
+}  // namespace
+
+Result<History> record_history(const mesh::Mesh& mesh, const RecordOptions& options) {
+    if (mesh.triangles.empty()) return History{};
+    try {
+        return Recorder(mesh, options).run(mesh);
+    } catch (const std::bad_alloc&) {
+        return fail(ErrorCode::limit_exceeded, "not enough memory to simplify the mesh");
+    }
+}
+
+}  // namespace lodestream::simplify

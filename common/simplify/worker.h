@@ -1,0 +1,51 @@
+// Merges the cheapest edges of a region first. An edge is looked at again when it comes up, not when something near it
+// changes: costs mostly grow, so what an edge was queued with is a lower bound.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/simplify/surface.h"
+
+namespace lodestream::simplify {
+
+class Worker {
+  public:
+    Worker(Surface& surface, Log& log) : surface_(surface), log_(log) {}
+
+    // Queues the edges between `positions` where `in_region` (of every position of the surface) says so of both ends.
+    // Edges are tried by the rules below `rules_limit`.
+    void start(std::span<const std::uint32_t> positions, const std::vector<std::uint8_t>& in_region,
+               std::uint8_t rules_limit);
+
+    // The cheapest merge that may be made now.
+    Merge next();
+    // pre: next() gave `merge`. Makes it, or has its edge tried by the next rules. Returns the number of triangles that
+    // vanished.
+    std::size_t take(const Merge& merge, std::size_t max_vanishing);
+    // pre: next() gave a merge. Its edge is not looked at again.
+    void skip() { pop(); }
+    // Edges that were refused may be tried by all rules again. Returns whether there are any.
+    bool retry_refused();
+
+  private:
+    struct Entry {
+        float cost;
+        std::uint32_t edge;
+        bool operator<(const Entry& o) const { return cost != o.cost ? cost < o.cost : edge < o.edge; }
+    };
+    void push(EdgeHandle edge);
+    void pop();
+    void sink(std::size_t place, const Entry& entry);
+
+    Surface& surface_;
+    Log& log_;
+    std::uint8_t rules_limit_ = refused;
+    std::vector<Entry> heap_;                  // each edge at most once, the cheapest first
+    std::vector<EdgeHandle> refused_edges_;    // by some rules at least
+    std::vector<EdgeHandle> exhausted_edges_;  // by all rules: not in the heap
+    Surface::Scratch scratch_;
+};
+
+}  // namespace lodestream::simplify

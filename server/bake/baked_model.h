@@ -1,0 +1,49 @@
+// What a bake leaves in the store: everything that cutting any level needs, in a form that is used from the file
+// itself.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/mesh/mesh.h"
+#include "common/metric/surface_distance.h"
+#include "common/simplify/history.h"
+#include "common/texture/use.h"
+
+namespace lodestream::bake {
+
+// The measured error of one level.
+struct ErrorSample {
+    std::uint64_t triangles = 0;
+    metric::SurfaceError error;
+};
+
+template <class AnyHistory>
+struct BasicBakedModel {
+    mesh::Model model;                          // without its mesh, which is the history's finest level
+    Box bounds;                                 // of the finest level
+    Box grid_bounds;                            // of all levels
+    std::vector<texture::ImageUse> image_uses;  // of each of the model's images
+    std::vector<double> texel_sizes;            // of each of the model's images
+    std::vector<ErrorSample> errors;            // finest first: triangles fall, errors do not
+    AnyHistory history;
+};
+using BakedModel = BasicBakedModel<simplify::History>;
+using BakedView = BasicBakedModel<simplify::HistoryView>;  // its history is in the bytes that it was opened from
+
+// pre: `mesh` is what `history` was recorded for.
+BakedModel make_baked_model(mesh::Model model, simplify::History history);
+
+std::vector<std::byte> serialize(const BakedModel& baked);
+// Hostile bytes: every count and index is checked. `bytes` must begin at a multiple of 8 in memory and outlive the
+// view.
+Result<BakedView> open_baked_model(std::span<const std::byte> bytes);
+
+// The error of the level of this many triangles: that measured where it was measured, else between its two measured
+// neighbours: RMS along a power law, maximum that of the coarser one. pre: errors is not empty
+metric::SurfaceError error_of(std::span<const ErrorSample> errors, std::uint64_t triangles);
+
+}  // namespace lodestream::bake

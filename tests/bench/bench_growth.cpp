@@ -1,0 +1,149 @@
+// lodestream_bench_growth: bake time and memory over the size of the model; see README.md.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+
+#include "tests/bench/engine.h"
+#include "tests/bench/fit.h"
+#include "tests/bench/inputs.h"
+#include "tests/bench/process_memory.h"
+#include "tests/bench/stopwatch.h"
+#include "tests/bench/table.h"
+
+namespace lodestream::bench {
+namespace {
+
+struct Arguments {
+    std::string data = "../shared/data";
+    std::string csv_file;
+    std::vector<std::string> series{"terrain", "scan"};
+    std::uint64_t max_triangles = 6'000'000;
+    int rounds = 3;
+};
+
+struct GrowthResult {
+    std::string series;
+    std::uint64_t triangles = 0;
+    std::uint64_t vertices = 0;
+    Duration record;  // median
+    double bytes_per_vertex = 0.0;
+};
+
+constexpr double memory_target_bytes = 250.0;
+// What timing noise may add to an exponent of 1.
+constexpr double exponent_target = 1.05;
+
+std::vector<std::string> specs_of(const std::string& series) {
+    if (series == "scan") return {"made:86k", "made:346k", "made:1.4M", "made:5.5M"};
+    std::vector<std::string> specs;
+    for (const std::uint64_t vertices : {5'000, 15'000, 50'000, 150'000, 500'000, 1'500'000, 2'500'000})
+        specs.push_back("sample:terrain:" + std::to_string(vertices));
+    return specs;
+}
+
+GrowthResult measure_growth(const std::string& series, const mesh::Mesh& mesh, int rounds) {
+    GrowthResult result{series, mesh.triangles.size(), mesh.positions.size(), {}, 0.0};
+    const std::uint64_t bytes = peak_growth_bytes([&] { record(mesh); });
+    result.bytes_per_vertex = static_cast<double>(bytes) / static_cast<double>(mesh.positions.size());
+    std::vector<double> wall, cpu;
+    for (int round = 0; round < rounds; ++round) {
+        const Stopwatch time;
+        const Recording recording = record(mesh);
+        const Duration took = time.elapsed();
+        wall.push_back(took.wall_ms);
+        cpu.push_back(took.cpu_ms);
+    }
+    result.record = {percentile(wall, 0.5), percentile(cpu, 0.5)};
+    return result;
+}
+
+double n_log_n(const GrowthResult& result) {
+    const double n = static_cast<double>(result.triangles);
+    return n * std::log2(n);
+}
+
+std::string growth_table(const std::vector<GrowthResult>& results) {
+    std::vector<TableRow> rows{
+        {"series", "triangles", "vertices", "wall ms", "CPU ms", "Mtri/s", "ns / (n log2 n)", "bytes/vertex"}};
+    for (const GrowthResult& r : results)
+        rows.push_back({r.series, std::to_string(r.triangles), std::to_string(r.vertices), fixed(r.record.wall_ms, 0),
+                        fixed(r.record.cpu_ms, 0), fixed(static_cast<double>(r.triangles) / r.record.wall_ms / 1e3, 3),
+                        fixed(1e6 * r.record.wall_ms / n_log_n(r), 2), fixed(r.bytes_per_vertex, 0)});
+    return to_text(rows);
+}
+
+// The exponent p in t = c (n log n)^p: the slope of a line through the logarithms.
+Line fit_growth(const std::vector<GrowthResult>& results, const std::string& series, double Duration::*time) {
+    std::vector<Sample> samples;
+    for (const GrowthResult& r : results)
+        if (r.series == series) samples.push_back({std::log(n_log_n(r)), std::log(r.record.*time)});
+    return fit_line(samples);
+}
+
+std::string fit_table(const std::vector<GrowthResult>& results, const std::vector<std::string>& series) {
+    std::vector<TableRow> rows{{"series", "exponent of n log n, wall", "CPU", "R squared", "target", "verdict"}};
+    for (const std::string& name : series) {
+        const Line wall = fit_growth(results, name, &Duration::wall_ms);
+        const Line cpu = fit_growth(results, name, &Duration::cpu_ms);
+        rows.push_back({name, fixed(wall.slope, 3), fixed(cpu.slope, 3), fixed(wall.r_squared, 4),
+                        "<= " + fixed(exponent_target, 2), wall.slope <= exponent_target ? "pass" : "FAIL"});
+    }
+    return to_text(rows);
+}
+
+void write_csv(const std::string& file, const std::vector<GrowthResult>& results) {
+    std::ofstream out(file);
+    out << "series,triangles,vertices,wall_ms,cpu_ms,peak_bytes_per_vertex\n";
+    for (const GrowthResult& r : results)
+        out << r.series << ',' << r.triangles << ',' << r.vertices << ',' << r.record.wall_ms << ',' << r.record.cpu_ms
+            << ',' << r.bytes_per_vertex << '\n';
+    if (!out) throw std::runtime_error("cannot write " + file);
+}
+
+void run(const Arguments& arguments) {
+    std::vector<GrowthResult> results;
+    for (const std::string& series : arguments.series)
+        for (const std::string& spec : specs_of(series)) {
+            const Result<Input> input = load_input(spec, arguments.data);
+            if (!input) throw std::runtime_error(input.error().message);
+            if (input->mesh.triangles.size() > arguments.max_triangles) break;
+            std::cerr << spec << std::endl;
+            results.push_back(measure_growth(series, input->mesh, arguments.rounds));
+        }
+    std::cout << growth_table(results) << '\n' << fit_table(results, arguments.series);
+    const auto most = std::ranges::max_element(results, {}, &GrowthResult::bytes_per_vertex);
+    std::cout << "\nmost memory: " << fixed(most->bytes_per_vertex, 0) << " bytes a vertex at " << most->triangles
+              << " triangles; target <= " << fixed(memory_target_bytes, 0) << ": "
+              << (most->bytes_per_vertex <= memory_target_bytes ? "pass" : "FAIL") << '\n';
+    if (!arguments.csv_file.empty()) write_csv(arguments.csv_file, results);
+}
+
+}  // namespace
+}  // namespace lodestream::bench
+
+int main(int argc, char** argv) {
+    lodestream::bench::Arguments arguments;
+    CLI::App app{"Records ever larger models: seeded terrain, and a scan with made detail."};
+    app.add_option("--data", arguments.data, "the folder of test models")->capture_default_str();
+    app.add_option("--series", arguments.series, "which models")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"terrain", "scan"}))
+        ->capture_default_str();
+    app.add_option("--max-triangles", arguments.max_triangles, "larger models are left out")
+        ->check(CLI::Range(300'000ull, 100'000'000ull))
+        ->capture_default_str();
+    app.add_option("--rounds", arguments.rounds, "runs of each model")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str();
+    app.add_option("--csv", arguments.csv_file, "where to write the numbers");
+    CLI11_PARSE(app, argc, argv);
+    try {
+        lodestream::bench::run(arguments);
+        return 0;
+    } catch (const std::exception& error) {
+        std::cerr << "lodestream_bench_growth: " << error.what() << std::endl;
+        return 1;
+    }
+}
