@@ -18,9 +18,9 @@ inline constexpr std::uint64_t max_quick_triangles = 1'000'000;  // larger asset
 inline constexpr std::size_t max_quick_assets = 4;
 inline constexpr std::size_t max_assets = 256;
 inline constexpr std::size_t max_thorough_assets = 16;  // with more, each is measured as in a quick report
-inline constexpr std::size_t max_levels = 32;          // of one ladder
-inline constexpr std::uint32_t thumbnail_width = 300;  // px, of the pictures in the page
-inline constexpr std::uint32_t composite_width = 480;  // px, of one panel of an asset's composite
+inline constexpr std::size_t max_levels = 32;           // of one ladder
+inline constexpr std::uint32_t thumbnail_width = 300;   // px, of the pictures in the page
+inline constexpr std::uint32_t composite_width = 480;   // px, of one panel of an asset's composite
 
 struct GatherOptions {
     std::filesystem::path out;  // pictures go to out/pictures

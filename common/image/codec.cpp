@@ -7,6 +7,8 @@
 #include <new>
 #include <string>
 
+#include "common/image/jpeg_tables.h"
+
 namespace {
 
 // A PNG's compressed data can swell a thousandfold whatever size its header states, so stb allocates from an allowance
@@ -101,7 +103,7 @@ bool is_consistent(const Pixels& pixels) {
 
 Result<Header> read_header(std::span<const std::byte> bytes) {
     const Error unreadable = invalid_input("neither a readable PNG nor JPEG");
-    if (bytes.size() > INT_MAX) return unreadable;
+    if (bytes.size() > INT_MAX || !has_sound_huffman_tables(bytes)) return unreadable;
     allowance_bytes = header_allowance_bytes;
     int width = 0, height = 0, channels = 0;
     if (stbi_info_from_memory(raw(bytes), size_of(bytes), &width, &height, &channels) == 0 || width <= 0 || height <= 0)

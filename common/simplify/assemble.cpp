@@ -3,33 +3,42 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/simplify/packed_normal.h"
+
 namespace lodestream::simplify {
 
 namespace {
 
-struct StepPlace {
-    float key;
-    std::uint32_t log, step;
+// A log read from its end.
+struct Cursor {
+    const Log* log;
+    std::uint32_t number;                                // of the log
+    std::size_t heads, deaths, changes, corners, faces;  // entries that are left
+
+    Cursor(const Log& l, std::uint32_t n)
+        : log(&l),
+          number(n),
+          heads(l.heads.size()),
+          deaths(l.deaths.size()),
+          changes(l.changed.size()),
+          corners(l.corners.size()),
+          faces(l.faces.size()) {}
+    float key() const { return log->heads[heads - 1].key; }
 };
 
-// All steps in the order of their keys; those of one key in the order in which they were made.
-std::vector<StepPlace> in_order(const std::vector<Log>& logs) {
-    std::vector<StepPlace> order;
-    for (std::uint32_t l = 0; l < logs.size(); ++l)
-        for (std::uint32_t s = 0; s < logs[l].heads.size(); ++s) order.push_back({logs[l].heads[s].key, l, s});
-    std::stable_sort(order.begin(), order.end(), [](const StepPlace& a, const StepPlace& b) { return a.key < b.key; });
-    return order;
+// Whether the step of `a` was made before that of `b`: of one key, those of earlier logs.
+bool is_before(const Cursor& a, const Cursor& b) {
+    return a.key() != b.key() ? a.key() < b.key() : a.number < b.number;
 }
 
 class Assembler {
   public:
-    Assembler(const mesh::Mesh& mesh, const Surface& surface, const std::vector<Log>& logs)
-        : mesh_(mesh),
-          surface_(surface),
-          logs_(logs),
+    Assembler(const Surface& surface, const std::vector<Log>& logs)
+        : surface_(surface),
           vertex_of_(surface.wedges().size(), none),
-          triangle_of_(surface.geometry().triangle_of.size(), none) {
-        reserve();
+          triangle_of_(surface.faces(), none),
+          to_source_(std::ldexp(1.0, surface.exponent())) {
+        reserve(logs);
     }
 
     void add_base() {
@@ -38,26 +47,34 @@ class Assembler {
         end_step();
     }
 
-    void undo(const StepPlace& place) {
-        const Log& log = logs_[place.log];
-        const Log::Head begin = log.before(place.step), &end = log.heads[place.step];
-        std::uint32_t corner = begin.corners;
-        for (std::uint32_t d = begin.deaths; d < end.deaths; ++d) add_vertex(log.deaths[d].wedge);
-        for (std::uint32_t c = begin.changes; c < end.changes; ++c) add_change(log, c);
-        for (std::uint32_t d = begin.deaths; d < end.deaths; ++d)
+    // Undoes the last step of a log.
+    void undo(Cursor& c) {
+        const Log& log = *c.log;
+        const Log::Head head = log.heads[--c.heads];
+        c.deaths -= head.deaths;
+        c.changes -= head.changes;
+        c.faces -= head.faces;
+        std::size_t corners = 0;
+        for (std::size_t d = c.deaths; d < c.deaths + head.deaths; ++d) corners += log.deaths[d].corners;
+        c.corners -= corners;
+
+        std::size_t corner = c.corners;
+        for (std::size_t d = c.deaths; d < c.deaths + head.deaths; ++d) {
             for (std::uint32_t k = 0; k < log.deaths[d].corners; ++k, ++corner)
-                h_.corner_moves.push_back({3 * triangle_of_[log.corners[corner] / 3] + log.corners[corner] % 3,
-                                           vertex_of_[log.deaths[d].wedge]});
-        for (std::uint32_t f = begin.faces; f < end.faces; ++f) add_triangle(log.faces[f]);
+                h_.moved_corners.push_back(3 * triangle_of_[log.corners[corner] / 3] + log.corners[corner] % 3);
+            add_vertex(log.deaths[d].wedge);
+        }
+        for (std::size_t i = c.changes; i < c.changes + head.changes; ++i) add_change(log, i);
+        for (std::size_t f = c.faces; f < c.faces + head.faces; ++f) add_triangle(log.faces[f]);
         end_step();
     }
 
     History take() { return std::move(h_); }
 
   private:
-    void reserve() {
+    void reserve(const std::vector<Log>& logs) {
         std::size_t steps = 1, changes = 0, corners = 0;
-        for (const Log& log : logs_) {
+        for (const Log& log : logs) {
             steps += log.heads.size();
             changes += log.changed.size();
             corners += log.corners.size();
@@ -69,28 +86,26 @@ class Assembler {
         if (surface_.wedges().has_texture_coordinates()) h_.texture_coordinates.reserve(values);
         if (surface_.wedges().has_colors()) h_.colors.reserve(values);
         h_.changed_vertices.reserve(changes);
-        h_.corner_moves.reserve(corners);
+        h_.moved_corners.reserve(corners);
+        h_.moved_corner_ends.reserve(vertex_of_.size());
         h_.triangles.reserve(triangle_of_.size());
-        if (!mesh_.triangle_materials.empty()) h_.triangle_materials.reserve(triangle_of_.size());
+        if (surface_.has_materials()) h_.triangle_materials.reserve(triangle_of_.size());
     }
 
-    void add_position(const Vec3f& scaled) {
-        const int exponent = surface_.geometry().exponent;
-        const auto back = [&](float x) { return std::ldexp(x, exponent); };
-        h_.positions.emplace_back(back(scaled.x), back(scaled.y), back(scaled.z));
-    }
+    void add_position(const Vec3f& scaled) { h_.positions.emplace_back(Vec3d(scaled) * to_source_); }
 
     void add_vertex(std::uint32_t wedge) {
-        vertex_of_[wedge] = vertices_++;
-        add_position(surface_.geometry().points[surface_.position_of_wedge(wedge)]);
+        vertex_of_[wedge] = static_cast<std::uint32_t>(h_.moved_corner_ends.size());
+        h_.moved_corner_ends.push_back(static_cast<std::uint32_t>(h_.moved_corners.size()));
+        add_position(surface_.place_of_wedge(wedge));
         const Wedges& wedges = surface_.wedges();
         const Attributes a = wedges.attributes(wedge);
-        if (wedges.has_normals()) h_.normals.push_back(a.normal);
+        if (wedges.has_normals()) h_.normals.push_back(pack_normal(a.normal));
         if (wedges.has_texture_coordinates()) h_.texture_coordinates.push_back(a.texture_coordinate);
         if (wedges.has_colors()) h_.colors.push_back(a.color);
     }
 
-    void add_change(const Log& log, std::uint32_t change) {
+    void add_change(const Log& log, std::size_t change) {
         h_.changed_vertices.push_back(vertex_of_[log.changed[change]]);
         add_position(log.positions[change]);
         if (!log.normals.empty()) h_.normals.push_back(log.normals[change]);
@@ -106,32 +121,43 @@ class Assembler {
         }
         triangle_of_[face] = static_cast<std::uint32_t>(h_.triangles.size());
         h_.triangles.push_back(t);
-        if (!mesh_.triangle_materials.empty())
-            h_.triangle_materials.push_back(mesh_.triangle_materials[surface_.geometry().triangle_of[face]]);
+        if (surface_.has_materials()) h_.triangle_materials.push_back(surface_.material(face));
     }
 
     void end_step() {
-        h_.steps.push_back({static_cast<std::uint32_t>(h_.triangles.size()), vertices_,
-                            static_cast<std::uint32_t>(h_.changed_vertices.size()),
-                            static_cast<std::uint32_t>(h_.corner_moves.size())});
+        h_.steps.push_back({static_cast<std::uint32_t>(h_.triangles.size()),
+                            static_cast<std::uint32_t>(h_.moved_corner_ends.size()),
+                            static_cast<std::uint32_t>(h_.changed_vertices.size())});
     }
 
-    const mesh::Mesh& mesh_;
     const Surface& surface_;
-    const std::vector<Log>& logs_;
     std::vector<std::uint32_t> vertex_of_;    // of each wedge
     std::vector<std::uint32_t> triangle_of_;  // of each face
-    std::uint32_t vertices_ = 0;
+    const double to_source_;                  // from scaled lengths
     History h_;
 };
 
 }  // namespace
 
-History assemble(const mesh::Mesh& mesh, const Surface& surface, const std::vector<Log>& logs) {
-    const std::vector<StepPlace> order = in_order(logs);
-    Assembler assembler(mesh, surface, logs);
+History assemble(const Surface& surface, const std::vector<Log>& logs) {
+    std::vector<Cursor> latest;  // a heap of the logs that have steps left, the step made last on top
+    for (std::uint32_t l = 0; l < logs.size(); ++l)
+        if (!logs[l].heads.empty()) latest.emplace_back(logs[l], l);
+    std::make_heap(latest.begin(), latest.end(), is_before);
+
+    Assembler assembler(surface, logs);
     assembler.add_base();
-    for (auto step = order.rbegin(); step != order.rend(); ++step) assembler.undo(*step);
+    while (!latest.empty()) {
+        std::pop_heap(latest.begin(), latest.end(), is_before);
+        Cursor& cursor = latest.back();
+        // As long as no other log's step comes first.
+        do assembler.undo(cursor);
+        while (cursor.heads > 0 && (latest.size() == 1 || is_before(latest.front(), cursor)));
+        if (cursor.heads == 0)
+            latest.pop_back();
+        else
+            std::push_heap(latest.begin(), latest.end(), is_before);
+    }
     return assembler.take();
 }
 

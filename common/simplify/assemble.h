@@ -9,7 +9,7 @@
 
 namespace lodestream::simplify {
 
-// `logs`: of all workers; a log's steps build on those of earlier logs only.
-History assemble(const mesh::Mesh& mesh, const Surface& surface, const std::vector<Log>& logs);
+// `logs`: of all workers; a log's steps build on earlier ones and on those of earlier logs.
+History assemble(const Surface& surface, const std::vector<Log>& logs);
 
 }  // namespace lodestream::simplify

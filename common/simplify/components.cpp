@@ -23,14 +23,14 @@ mesh::Triangle positions_of(const Surface& surface, std::uint32_t face) {
 
 std::vector<std::uint32_t> live_faces(const Surface& surface) {
     std::vector<std::uint32_t> faces;
-    for (std::uint32_t f = 0; f < surface.geometry().triangle_of.size(); ++f)
+    for (std::uint32_t f = 0; f < surface.faces(); ++f)
         if (surface.is_live(f)) faces.push_back(f);
     return faces;
 }
 
 // Numbers the parts by their first face.
 void number_parts(const Surface& surface, const std::vector<std::uint32_t>& faces, Components& c) {
-    std::vector<std::uint32_t> parent(surface.geometry().points.size());
+    std::vector<std::uint32_t> parent(surface.positions());
     std::iota(parent.begin(), parent.end(), 0u);
     for (const std::uint32_t f : faces) {
         const mesh::Triangle t = positions_of(surface, f);
@@ -57,8 +57,7 @@ void rank_parts(const Surface& surface, Components& c) {
         double area = 0;
         for (std::uint32_t i = c.first_face[part]; i < c.first_face[part + 1]; ++i) {
             area += surface.area(c.faces[i]);
-            for (const std::uint32_t corner : positions_of(surface, c.faces[i]))
-                box.add(Vec3d(surface.geometry().points[corner]));
+            for (const std::uint32_t corner : positions_of(surface, c.faces[i])) box.add(Vec3d(surface.place(corner)));
         }
         const Vec3d extent = box.extent();
         c.visibility.push_back(drop_weight * area * dot(extent, extent));

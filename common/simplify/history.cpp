@@ -1,7 +1,10 @@
 #include "common/simplify/history.h"
 
 #include <algorithm>
+#include <functional>
 #include <string>
+
+#include "common/simplify/packed_normal.h"
 
 namespace lodestream::simplify {
 
@@ -26,12 +29,12 @@ std::vector<std::uint32_t> latest_values(const HistoryView& history, std::size_t
     return value_of;
 }
 
-template <class Attribute>
-void gather(std::span<const Attribute> values, const std::vector<std::uint32_t>& value_of,
-            std::vector<Attribute>& result) {
+template <class Value, class Attribute, class Convert>
+void gather(std::span<const Value> values, const std::vector<std::uint32_t>& value_of, std::vector<Attribute>& result,
+            Convert convert) {
     if (values.empty()) return;
     result.reserve(value_of.size());
-    for (const std::uint32_t value : value_of) result.push_back(values[value]);
+    for (const std::uint32_t value : value_of) result.push_back(convert(values[value]));
 }
 
 bool spans_a_triangle(const std::vector<Vec3f>& positions, const mesh::Triangle& t) {
@@ -63,8 +66,7 @@ bool fits(std::size_t attribute, std::size_t elements) {
 }
 
 bool grows(const Step& before, const Step& after) {
-    return before.triangles <= after.triangles && before.vertices <= after.vertices &&
-           before.changes <= after.changes && before.corner_moves <= after.corner_moves;
+    return before.triangles <= after.triangles && before.vertices <= after.vertices && before.changes <= after.changes;
 }
 
 Status validate_sizes(const HistoryView& h) {
@@ -72,7 +74,10 @@ Status validate_sizes(const HistoryView& h) {
     if (h.triangles.size() != end.triangles || !fits(h.triangle_materials.size(), end.triangles))
         return damaged("its triangles are not as many as its steps make");
     if (h.changed_vertices.size() != end.changes) return damaged("its changes are not as many as its steps make");
-    if (h.corner_moves.size() != end.corner_moves) return damaged("its corner moves are not as many as its steps make");
+    if (h.moved_corner_ends.size() != end.vertices)
+        return damaged("its corner moves are not for as many vertices as its steps make");
+    if (h.moved_corners.size() != (end.vertices == 0 ? 0 : h.moved_corner_ends.back()))
+        return damaged("its corner moves are not as many as its vertices take");
     const std::size_t values = std::size_t{end.vertices} + end.changes;
     if (h.positions.size() != values || !fits(h.normals.size(), values) ||
         !fits(h.texture_coordinates.size(), values) || !fits(h.colors.size(), values))
@@ -84,9 +89,13 @@ Status validate_step(const HistoryView& h, const Step& before, const Step& after
     if (!grows(before, after)) return damaged("a step takes back what an earlier one made");
     for (std::uint32_t i = before.changes; i < after.changes; ++i)
         if (h.changed_vertices[i] >= after.vertices) return damaged("a step changes a vertex that is not there yet");
-    for (std::uint32_t i = before.corner_moves; i < after.corner_moves; ++i)
-        if (h.corner_moves[i].corner / 3 >= before.triangles || h.corner_moves[i].vertex >= after.vertices)
-            return damaged("a step moves a corner that is not there yet");
+    for (std::uint32_t v = before.vertices; v < after.vertices; ++v) {
+        const std::uint32_t begin = v == 0 ? 0 : h.moved_corner_ends[v - 1], end = h.moved_corner_ends[v];
+        if (end < begin || end > h.moved_corners.size()) return damaged("a vertex takes corners that are not there");
+        for (std::uint32_t i = begin; i < end; ++i)
+            if (h.moved_corners[i] / 3 >= before.triangles)
+                return damaged("a step moves a corner that is not there yet");
+    }
     for (std::uint32_t t = before.triangles; t < after.triangles; ++t)
         for (const std::uint32_t vertex : h.triangles[t])
             if (vertex >= after.vertices) return damaged("a triangle uses a vertex that is not there yet");
@@ -96,8 +105,8 @@ Status validate_step(const HistoryView& h, const Step& before, const Step& after
 }  // namespace
 
 HistoryView view(const History& h) {
-    return {h.steps,        h.positions, h.normals,           h.texture_coordinates, h.colors, h.changed_vertices,
-            h.corner_moves, h.triangles, h.triangle_materials};
+    return {h.steps,         h.positions,         h.normals,   h.texture_coordinates, h.colors, h.changed_vertices,
+            h.moved_corners, h.moved_corner_ends, h.triangles, h.triangle_materials};
 }
 
 std::uint64_t triangle_count(const HistoryView& history) {
@@ -117,18 +126,20 @@ mesh::Mesh cut(const HistoryView& history, std::uint64_t triangles) {
 
     const auto prefix = history.triangles.first(end.triangles);
     level.triangles.assign(prefix.begin(), prefix.end());
-    for (const CornerMove& move : history.corner_moves.first(end.corner_moves))
-        level.triangles[move.corner / 3][move.corner % 3] = move.vertex;
+    std::uint32_t moved = 0;
+    for (std::uint32_t vertex = 0; vertex < end.vertices; ++vertex)
+        for (const std::uint32_t moved_end = history.moved_corner_ends[vertex]; moved < moved_end; ++moved)
+            level.triangles[history.moved_corners[moved] / 3][history.moved_corners[moved] % 3] = vertex;
     if (!history.triangle_materials.empty()) {
         const auto materials = history.triangle_materials.first(end.triangles);
         level.triangle_materials.assign(materials.begin(), materials.end());
     }
 
     const std::vector<std::uint32_t> value_of = latest_values(history, steps);
-    gather(history.positions, value_of, level.positions);
-    gather(history.normals, value_of, level.normals);
-    gather(history.texture_coordinates, value_of, level.texture_coordinates);
-    gather(history.colors, value_of, level.colors);
+    gather(history.positions, value_of, level.positions, std::identity());
+    gather(history.normals, value_of, level.normals, unpack_normal);
+    gather(history.texture_coordinates, value_of, level.texture_coordinates, std::identity());
+    gather(history.colors, value_of, level.colors, std::identity());
     drop_folded(level);
     return level;
 }
@@ -140,9 +151,8 @@ Status validate(const HistoryView& history) {
         if (Status valid = validate_step(history, before, step); !valid) return valid.error();
         before = step;
     }
-    for (const auto& vectors : {history.positions, history.normals})
-        for (const Vec3f& v : vectors)
-            if (!all_finite(v)) return damaged("a position or normal is not finite");
+    for (const Vec3f& position : history.positions)
+        if (!all_finite(position)) return damaged("a position is not finite");
     for (const Vec2f& uv : history.texture_coordinates)
         if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) return damaged("a texture coordinate is not finite");
     return Nothing{};

@@ -16,32 +16,27 @@ namespace lodestream::simplify {
 // The state of a level after a step: how much of each array below belongs to it.
 struct Step {
     std::uint32_t triangles = 0;
-    std::uint32_t vertices = 0;      // made up to here
-    std::uint32_t changes = 0;       // entries of changed_vertices
-    std::uint32_t corner_moves = 0;  // entries of corner_moves
+    std::uint32_t vertices = 0;  // made up to here
+    std::uint32_t changes = 0;   // entries of changed_vertices
     bool operator==(const Step&) const = default;
-};
-
-// The corner (3 * triangle + 0, 1 or 2) now lies at another vertex.
-struct CornerMove {
-    std::uint32_t corner = 0;
-    std::uint32_t vertex = 0;
-    bool operator==(const CornerMove&) const = default;
 };
 
 // A progressive mesh (Hoppe 1996), coarse to fine: step 0 is the coarsest level, each further step undoes one merge.
 // Arrays are in the order of use, so the level of N triangles is a prefix of each of them. A step gives, in this order:
 // its new vertices and the new values of old ones (one entry of the value arrays each: first those of the new vertices,
-// then those of changed_vertices); corner moves; new triangles. Attribute arrays are empty where the mesh has none.
+// then those of changed_vertices); the corners of older triangles that now lie at its new vertices; new triangles.
+// Attribute arrays are empty where the mesh has none.
 template <template <class> class Array>
 struct BasicHistory {
     Array<Step> steps;
     Array<Vec3f> positions;
-    Array<Vec3f> normals;
+    Array<std::uint32_t> normals;  // packed_normal.h
     Array<Vec2f> texture_coordinates;
     Array<Rgba8> colors;
     Array<std::uint32_t> changed_vertices;
-    Array<CornerMove> corner_moves;
+    Array<std::uint32_t> moved_corners;      // 3 * triangle + 0, 1 or 2, by the vertex that they move to
+    Array<std::uint32_t> moved_corner_ends;  // of each vertex: where its moved_corners end; they begin where those of
+                                             // the vertex before it end
     Array<mesh::Triangle> triangles;
     Array<std::uint32_t> triangle_materials;
 };
@@ -73,7 +68,8 @@ struct RecordOptions {
 // must be compact (see mesh/operations.h); triangles without three different positions and unused vertices are left
 // out. Any connectivity is taken: non-manifold, soup, thousands of pieces. Errors: unavailable (cancelled),
 // limit_exceeded (memory).
-Result<History> record_history(const mesh::Mesh& mesh, const RecordOptions& options = {});
+// The mesh is freed on the way: what is needed beside it is at most about 250 bytes a vertex.
+Result<History> record_history(mesh::Mesh mesh, const RecordOptions& options = {});
 
 // The level of the most triangles that is not above `triangles`. Attributes and materials follow. O(result).
 // pre: validate(history)

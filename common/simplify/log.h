@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/simplify/history.h"
+#include "common/simplify/packed_normal.h"
 #include "common/simplify/wedges.h"
 
 namespace lodestream::simplify {
@@ -12,24 +12,25 @@ namespace lodestream::simplify {
 // The steps that one worker makes, in its order. Each can be undone from what stands here and from what the surface
 // remembers of what has gone (a face's last corners, a wedge's last attributes).
 struct Log {
-    // Where the step's entries end. `key`: steps are put in its order; never below
-    // that of a step it builds on.
+    static constexpr std::uint32_t max_deaths = (1u << 15) - 1;  // of one step; as many changes
+
+    // `key`: what the step costs or more: it never falls, and is never below that of a step it builds on.
     struct Head {
         float key;
-        std::uint32_t deaths, changes, corners, faces;
+        std::uint32_t deaths : 15, changes : 15, faces : 2;  // how many entries are the step's
     };
     struct Death {
         std::uint32_t wedge;
-        std::uint32_t corners;  // of this step's corner moves, how many are away from this wedge
+        std::uint32_t corners;  // how many corners move away from this wedge
     };
     std::vector<Head> heads;
     std::vector<Death> deaths;           // wedges that go
     std::vector<std::uint32_t> changed;  // wedges that get other values, and below what they had before
     std::vector<Vec3f> positions;        // scaled as Geometry's points
-    std::vector<Vec3f> normals;
+    std::vector<std::uint32_t> normals;  // packed
     std::vector<Vec2f> texture_coordinates;
     std::vector<Rgba8> colors;
-    std::vector<std::uint32_t> corners;  // 3 * face + k
+    std::vector<std::uint32_t> corners;  // 3 * face + k, by the deaths
     std::vector<std::uint32_t> faces;    // that go
 
     // Room for a number of ordinary merges.
@@ -46,19 +47,28 @@ struct Log {
         faces.reserve(2 * merges);
     }
 
+    float last_key() const { return heads.empty() ? 0.0f : heads.back().key; }
+
+    // pre: key >= last_key(). Every entry since the step before is this step's.
     void end_step(float key) {
-        heads.push_back({key, static_cast<std::uint32_t>(deaths.size()), static_cast<std::uint32_t>(changed.size()),
-                         static_cast<std::uint32_t>(corners.size()), static_cast<std::uint32_t>(faces.size())});
+        heads.push_back({key, static_cast<std::uint32_t>(deaths.size() - ended_deaths_) & max_deaths,
+                         static_cast<std::uint32_t>(changed.size() - ended_changes_) & max_deaths,
+                         static_cast<std::uint32_t>(faces.size() - ended_faces_) & 3u});
+        ended_deaths_ = deaths.size();
+        ended_changes_ = changed.size();
+        ended_faces_ = faces.size();
     }
-    Head before(std::size_t step) const { return step == 0 ? Head{} : heads[step - 1]; }
     void add_change(std::uint32_t wedge, const Vec3f& position, const Wedges& wedges) {
         changed.push_back(wedge);
         positions.push_back(position);
         const Attributes a = wedges.attributes(wedge);
-        if (wedges.has_normals()) normals.push_back(a.normal);
+        if (wedges.has_normals()) normals.push_back(pack_normal(a.normal));
         if (wedges.has_texture_coordinates()) texture_coordinates.push_back(a.texture_coordinate);
         if (wedges.has_colors()) colors.push_back(a.color);
     }
+
+  private:
+    std::size_t ended_deaths_ = 0, ended_changes_ = 0, ended_faces_ = 0;
 };
 
 }  // namespace lodestream::simplify

@@ -51,15 +51,6 @@ struct Symmetric {
         zz += o.zz;
         return *this;
     }
-    Symmetric& operator-=(const Symmetric& o) {
-        xx -= o.xx;
-        xy -= o.xy;
-        xz -= o.xz;
-        yy -= o.yy;
-        yz -= o.yz;
-        zz -= o.zz;
-        return *this;
-    }
     Real trace() const { return xx + yy + zz; }
     Vec3d operator*(const Vec3d& v) const {
         return {xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z};
@@ -97,9 +88,9 @@ struct StoredForm {
 };
 
 // Pulls towards the middle of the edge where the surface leaves the place open, of the energy's trace.
-inline constexpr double middle_weight = 2e-3;
+inline constexpr double middle_weight = 2e-5;
 // Of keeping the volume, against the squared distances.
-inline constexpr double volume_weight = 3.0;
+inline constexpr double volume_weight = 6.0;
 // A minimum further from the edge's middle than this many of its lengths is not trusted.
 inline constexpr double max_reach = 3.0;
 
@@ -116,10 +107,10 @@ inline Vec3d solve(const Symmetric<double>& m, const Vec3d& right) {
 // The energy of moving both ends of an edge to one place x, all relative to the edge's start.
 class EdgeEnergy {
   public:
-    // `shared`: what belongs to both ends.
-    EdgeEnergy(const Form& a, const Form& b, const Form& shared, const Vec3d& edge)
-        : edge_(edge), length2_(dot(edge, edge)), area_(a.area - shared.area + b.area), matrix_(a.matrix) {
-        matrix_ -= shared.matrix;
+    // `shared_area`: twice the area vector of the triangles at both ends. They count twice in the energy, so that edges
+    // between large triangles wait, and once in the volume.
+    EdgeEnergy(const Form& a, const Form& b, const Vec3d& shared_area, const Vec3d& edge)
+        : edge_(edge), length2_(dot(edge, edge)), area_(a.area - 0.5 * shared_area + b.area), matrix_(a.matrix) {
         at_end_ = std::max(0.0, matrix_.form(edge));
         matrix_ += b.matrix;
         right_ = b.matrix * edge;

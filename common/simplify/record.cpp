@@ -15,9 +15,15 @@ namespace lodestream::simplify {
 
 namespace {
 
-constexpr std::size_t min_region_faces = 1u << 15;  // below, the seams between regions cost more than they gain
-constexpr std::size_t max_regions = 32;
-constexpr double region_share = 0.3;  // of a region's triangles that are left when it is done
+constexpr std::size_t region_faces = 1u << 14;  // smaller regions have much border, larger ones leave the caches
+constexpr std::size_t min_divided_faces = 1u << 14;
+constexpr std::size_t max_regions = 1024;
+constexpr double region_share = 0.3;    // of a region's triangles that are left when it is done at the latest
+constexpr double max_share_left = 0.9;  // after a round; else regions are of no use to this surface
+// A round makes no merge that costs more than this share of the edges now, so that regions stay alike and their
+// borders, which lie inside the next round's regions, do not fall far behind.
+constexpr double merged_quantile = 0.9;
+constexpr std::size_t sampled_positions = 16;  // one of so many is asked for that cost
 
 constexpr double retry_share = 0.9;  // refused merges are tried again when this share of the triangles is left
 constexpr std::size_t merges_per_report = 8192;
@@ -50,25 +56,26 @@ class Monitor {
 
 class Recorder {
   public:
-    Recorder(const mesh::Mesh& mesh, const RecordOptions& options)
-        : options_(options), surface_(mesh), monitor_(options, surface_.live_faces()) {
-        in_region_.assign(surface_.geometry().points.size(), 0);
+    Recorder(mesh::Mesh mesh, const RecordOptions& options)
+        : options_(options), surface_(std::move(mesh)), monitor_(options, surface_.faces()) {
+        in_region_.assign(surface_.positions(), 0);
     }
 
-    Result<History> run(const mesh::Mesh& mesh) {
+    Result<History> run() {
         for (std::size_t round = 0; simplify_regions(round); ++round)
             if (monitor_.cancelled()) break;
         if (!monitor_.cancelled()) simplify_whole();
         if (monitor_.cancelled()) return fail(ErrorCode::unavailable, "simplification was cancelled");
         surface_.end_merging();
         in_region_ = {};
-        return assemble(mesh, surface_, logs_);
+        return assemble(surface_, logs_);
     }
 
   private:
     std::vector<std::uint32_t> live_positions() const;
     bool simplify_regions(std::size_t round);
-    void simplify_region(std::span<const std::uint32_t> positions, Log& log);
+    float usual_cost(std::span<const std::uint32_t> positions);
+    void simplify_region(std::span<const std::uint32_t> positions, float limit, Log& log);
 
     void simplify_whole();
     void drop_part(Components& parts, std::uint32_t part, std::uint32_t keep, double cost);
@@ -77,7 +84,8 @@ class Recorder {
     Surface surface_;
     Monitor monitor_;
     std::vector<Log> logs_;
-    std::vector<std::uint8_t> in_region_;  // of each position
+    std::vector<std::uint8_t> in_region_;                               // of each position
+    std::size_t last_faces_ = std::numeric_limits<std::size_t>::max();  // before the last round
 };
 
 std::vector<std::uint32_t> Recorder::live_positions() const {
@@ -90,13 +98,30 @@ std::vector<std::uint32_t> Recorder::live_positions() const {
     return positions;
 }
 
+// What most edges cost at most, by a sample of them.
+float Recorder::usual_cost(std::span<const std::uint32_t> positions) {
+    std::vector<float> costs;
+    for (std::size_t i = 0; i < positions.size(); i += sampled_positions)
+        surface_.sheets().for_each_sheet(positions[i], [&](VertexHandle sheet) {
+            costs.push_back(key_of_cost(surface_.offer(SheetMesh::edge(surface_.sheets().outgoing(sheet))).cost));
+        });
+    const auto middle =
+        costs.begin() + static_cast<std::ptrdiff_t>(merged_quantile * static_cast<double>(costs.size()));
+    std::nth_element(costs.begin(), middle, costs.end());
+    return *middle;  // there is one: the surface has live positions
+}
+
 // Positions are numbered along a curve through space, so a run of them is a region. Every other round the regions lie
 // half a region further: what was at a border comes inside. Returns false where the surface is too small for that.
 bool Recorder::simplify_regions(std::size_t round) {
     const std::vector<std::uint32_t> positions = live_positions();
-    const std::size_t regions = std::min(max_regions, 2 * positions.size() / min_region_faces);
-    if (regions < 2) return false;
+    const std::size_t faces = 2 * positions.size();
+    if (faces < min_divided_faces || static_cast<double>(faces) > max_share_left * static_cast<double>(last_faces_))
+        return false;
+    last_faces_ = faces;
+    const std::size_t regions = std::clamp<std::size_t>(faces / region_faces, 2, max_regions);
     surface_.allow_all();
+    const float limit = usual_cost(positions);
     std::vector<std::size_t> ends;
     for (std::size_t r = 1; r <= regions; ++r) ends.push_back(positions.size() * (2 * r - round % 2) / (2 * regions));
     if (ends.back() < positions.size()) ends.push_back(positions.size());
@@ -105,7 +130,7 @@ bool Recorder::simplify_regions(std::size_t round) {
     logs_.resize(first_log + ends.size());
     const auto task = [&](std::size_t r) {
         const std::size_t begin = r == 0 ? 0 : ends[r - 1];
-        simplify_region(std::span(positions).subspan(begin, ends[r] - begin), logs_[first_log + r]);
+        simplify_region(std::span(positions).subspan(begin, ends[r] - begin), limit, logs_[first_log + r]);
     };
     if (options_.executor)
         options_.executor(ends.size(), task);
@@ -115,7 +140,7 @@ bool Recorder::simplify_regions(std::size_t round) {
 }
 
 // `positions`: by rising number. Those with a neighbour elsewhere stay as they are.
-void Recorder::simplify_region(std::span<const std::uint32_t> positions, Log& log) {
+void Recorder::simplify_region(std::span<const std::uint32_t> positions, float limit, Log& log) {
     const SheetMesh& sheets = surface_.sheets();
     std::vector<std::uint32_t> inside;
     for (const std::uint32_t p : positions) {
@@ -138,7 +163,7 @@ void Recorder::simplify_region(std::span<const std::uint32_t> positions, Log& lo
             reported = vanished;
         }
         const Merge merge = worker.next();
-        if (!merge.edge.is_valid()) break;
+        if (!merge.edge.is_valid() || key_of_cost(merge.cost) > limit) break;
         vanished += worker.take(merge, 3);
         if (vanished >= goal) monitor_.report(vanished - reported);
     }
@@ -211,10 +236,10 @@ void Recorder::simplify_whole() {
 
 }  // namespace
 
-Result<History> record_history(const mesh::Mesh& mesh, const RecordOptions& options) {
+Result<History> record_history(mesh::Mesh mesh, const RecordOptions& options) {
     if (mesh.triangles.empty()) return History{};
     try {
-        return Recorder(mesh, options).run(mesh);
+        return Recorder(std::move(mesh), options).run();
     } catch (const std::bad_alloc&) {
         return fail(ErrorCode::limit_exceeded, "not enough memory to simplify the mesh");
     }

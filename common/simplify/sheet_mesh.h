@@ -95,6 +95,10 @@ class SheetMesh {
     // one. `along_border`: an open boundary may not be left.
     HalfedgeHandle manifold_edge(VertexHandle sheet, std::uint32_t target, bool along_border) const;
 
+    // Takes out an edge and its triangles; what it starts from becomes what it ends at.
+    // pre: manifold_edge() gave `h`, and the position that it starts from has one sheet
+    void collapse(HalfedgeHandle h);
+
     // Moves all sheets of `source` to `target` and takes out the triangles between the two: by an edge collapse where
     // the result is manifold, else by cutting the triangles out.
     void merge(std::uint32_t source, std::uint32_t target);
@@ -109,7 +113,6 @@ class SheetMesh {
     bool dangles(HalfedgeHandle h) const;
     bool shares_other_neighbours(VertexHandle a, VertexHandle b, VertexHandle left, VertexHandle right) const;
 
-    void collapse(HalfedgeHandle h);
     void fold(HalfedgeHandle keep, HalfedgeHandle remove);
     void link(HalfedgeHandle h, HalfedgeHandle following) { connectivity_.set_next_halfedge_handle(h, following); }
     void take_out(HalfedgeHandle h);

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "common/simplify/geometry.h"
+
 namespace lodestream::simplify {
 
 namespace {
@@ -20,7 +22,9 @@ constexpr double sliver_height = 1e-2;      // of the longest side; thinner only
 // A position with more triangles stays where it is when others merge into it: what is far around it is left alone.
 constexpr std::uint16_t hub_triangles = 256;
 // Sums are made anew when this share of a position's surroundings has changed.
-constexpr std::uint16_t changed_share = 16;
+constexpr std::uint16_t changed_share = 4;
+// A merge of more wedges is refused: a step of the log has room for no more, with those that go at other positions.
+constexpr std::size_t max_step_wedges = Log::max_deaths / 2;
 // An end of the edge that costs no more than this above the minimum (of the area times the squared length) is taken.
 constexpr double end_tolerance = 1e-9;
 
@@ -34,33 +38,71 @@ float key_of_cost(double cost) {
     return static_cast<float>(std::min(std::sqrt(cost), double{std::numeric_limits<float>::max()}));
 }
 
-Surface::Surface(const mesh::Mesh& mesh)
-    : g_(weld(mesh)),
-      sheets_(std::in_place, g_.faces, g_.points),
-      wedges_(mesh, g_.position_of, static_cast<std::uint32_t>(g_.points.size()), g_.wedge_of_vertex),
-      live_(g_.faces.size(), 1),
-      seam_(g_.points.size(), 0),
-      held_(g_.points.size(), 0),
-      forms_(g_.points.size()),
-      keys_(g_.points.size(), 0.0f),
-      rules_(sheets_->edges(), 0) {
-    face_wedges_.swap(g_.faces);
-    for (std::size_t f = 0; f < face_wedges_.size(); ++f)
-        for (std::size_t k = 0; k < 3; ++k) {
-            std::uint32_t& wedge = face_wedges_[f][k];
-            wedge = g_.wedge_of_vertex[mesh.triangles[g_.triangle_of[f]][k]];
-            wedges_.add_use(wedge);
-        }
-    if (wedges_.size() != g_.points.size()) {
+// What the mesh and the geometry hold is freed as soon as it has been taken over: this is where memory peaks.
+Surface::Surface(mesh::Mesh mesh) {
+    Geometry g = weld(mesh);
+    mesh.positions = {};
+    exponent_ = g.exponent;
+    points_ = std::move(g.points);
+    const auto count = static_cast<std::uint32_t>(points_.size());
+
+    std::vector<std::uint32_t> wedge_of_vertex;
+    wedges_ = Wedges(mesh, g.position_of, count, wedge_of_vertex);
+    mesh.normals = {};
+    mesh.texture_coordinates = {};
+    mesh.colors = {};
+    const bool one_wedge_each = wedges_.size() == points_.size();
+    if (!one_wedge_each) {
         position_of_wedge_.resize(wedges_.size());
-        for (std::size_t v = 0; v < g_.position_of.size(); ++v)
-            position_of_wedge_[g_.wedge_of_vertex[v]] = g_.position_of[v];
-        for (std::uint32_t p = 0; p < seam_.size(); ++p) seam_[p] = wedges_.has_seam(p);
+        for (std::size_t v = 0; v < g.position_of.size(); ++v)
+            position_of_wedge_[wedge_of_vertex[v]] = g.position_of[v];
     }
-    g_.position_of = {};
-    g_.wedge_of_vertex = {};
-    for (StoredForm& f : forms_) f.changes = 1;
+    g.position_of = {};
+
+    std::vector<mesh::Triangle> corners;  // positions, where they are not wedges
+    corners.swap(g.faces);
+    if (one_wedge_each) {
+        face_wedges_.swap(corners);
+    } else {
+        face_wedges_.reserve(corners.size());
+        for (const std::uint32_t t : g.triangle_of) {
+            mesh::Triangle wedges = mesh.triangles[t];
+            for (std::uint32_t& w : wedges) w = wedge_of_vertex[w];
+            face_wedges_.push_back(wedges);
+        }
+    }
+    if (!mesh.triangle_materials.empty())
+        for (const std::uint32_t t : g.triangle_of) face_materials_.push_back(mesh.triangle_materials[t]);
+    mesh = {};
+    wedge_of_vertex = {};
+    g = {};
+    for (const mesh::Triangle& t : face_wedges_)
+        for (const std::uint32_t wedge : t) wedges_.add_use(wedge);
+    sheets_.emplace(one_wedge_each ? face_wedges_ : corners, points_);
+    corners = {};
+    prepare_positions();
+}
+
+void Surface::prepare_positions() {
+    live_.assign(faces(), 1);
+    weigh_normals();
+    seam_.assign(positions(), 0);
+    if (!position_of_wedge_.empty())
+        for (std::uint32_t p = 0; p < seam_.size(); ++p) seam_[p] = wedges_.has_seam(p);
+    held_.assign(positions(), 0);
     for (std::uint32_t p = 0; p < held_.size(); ++p) held_[p] = must_hold(p);
+    forms_.resize(positions());
+    for (StoredForm& f : forms_) f.changes = 1;
+    keys_.assign(positions(), 0.0f);
+    rules_.assign(sheets_->edges(), 0);
+}
+
+void Surface::weigh_normals() {
+    if (!wedges_.has_normals()) return;
+    std::vector<float> area_at(wedges_.size(), 0.0f);
+    for (std::uint32_t f = 0; f < face_wedges_.size(); ++f)
+        for (const std::uint32_t w : face_wedges_[f]) area_at[w] += static_cast<float>(area(f));
+    for (std::uint32_t w = 0; w < area_at.size(); ++w) wedges_.weigh_normal(w, double{area_at[w]});
 }
 
 void Surface::end_merging() {
@@ -91,11 +133,6 @@ std::uint32_t Surface::wedge_at(std::uint32_t face, std::uint32_t position) cons
 }
 
 // Energies
-
-// Of the triangle left of a half-edge that starts at `at`.
-Vec3d Surface::twice_area(const Vec3d& at, HalfedgeHandle outgoing) const {
-    return cross(point(sheets_->to(outgoing)) - at, point(sheets_->apex(outgoing)) - at);
-}
 
 bool Surface::is_seam(HalfedgeHandle h) const {
     const std::uint32_t from = sheets_->from(h), to = sheets_->to(h);
@@ -148,23 +185,19 @@ Form Surface::form(std::uint32_t position) {
     return sum;
 }
 
-// What both ends of an edge have in common.
-Form Surface::shared_form(HalfedgeHandle h) const {
-    Form sum;
-    const Vec3d at = point(sheets_->from(h)), end = point(sheets_->to(h));
+// Twice the area vector of the triangles that both ends of an edge have in common.
+Vec3d Surface::shared_area(HalfedgeHandle h) const {
+    const Vec3d from = point(sheets_->from(h)), side = point(sheets_->to(h)) - from;
     const HalfedgeHandle back = SheetMesh::opposite(h);
-    if (!sheets_->is_open(h)) sum.add_triangle(twice_area(at, h));
-    if (!sheets_->is_open(back)) sum.add_triangle(twice_area(end, back));
-    if (sheets_->is_open(h) || sheets_->is_open(back))
-        sum.add_line(end - at, border_weight);
-    else if (is_seam(h))
-        sum.add_line(end - at, seam_weight);
+    Vec3d sum{0.0};
+    if (!sheets_->is_open(h)) sum += cross(side, point(sheets_->apex(h)) - from);
+    if (!sheets_->is_open(back)) sum -= cross(side, point(sheets_->apex(back)) - from);
     return sum;
 }
 
 Merge Surface::at_end(HalfedgeHandle h, const Rules& rules, double cost, double area) const {
     const Vec3d from = point(sheets_->from(h)), to = point(sheets_->to(h));
-    return {h, cost + rules.price * area * dot(to - from, to - from), g_.points[sheets_->to(h)], 0.0, &rules};
+    return {h, cost + rules.price * area * dot(to - from, to - from), points_[sheets_->to(h)], 0.0, &rules};
 }
 
 Merge Surface::offer(EdgeHandle edge) {
@@ -173,7 +206,7 @@ Merge Surface::offer(EdgeHandle edge) {
     const HalfedgeHandle h(2 * edge.idx()), back = SheetMesh::opposite(h);
     const std::uint32_t a = sheets_->from(h), b = sheets_->to(h);
     const Form form_a = form(a), form_b = form(b);
-    const EdgeEnergy energy(form_a, form_b, shared_form(h), point(b) - point(a));
+    const EdgeEnergy energy(form_a, form_b, shared_area(h), point(b) - point(a));
     const double at_a = energy.at_start(), at_b = energy.at_end();
     const double area_a = form_a.matrix.trace(), area_b = form_b.matrix.trace();
 
@@ -214,7 +247,7 @@ Merge Surface::offer(EdgeHandle edge) {
 bool Surface::merge(const Merge& merge, std::size_t max_vanishing, Log& log, Scratch& s) {
     const std::uint32_t source = sheets_->from(merge.edge), target = sheets_->to(merge.edge);
     const Rules& rules = *merge.rules;
-    const bool moves = merge.point != g_.points[target];
+    const bool moves = merge.point != points_[target];
     if (rules.sheets && !keeps_sheets(source, target)) return false;
     gather(source, target, moves, s);
     if (s.vanishing.empty() || s.vanishing.size() >= max_vanishing) return false;
@@ -225,6 +258,7 @@ bool Surface::merge(const Merge& merge, std::size_t max_vanishing, Log& log, Scr
         if (!std::all_of(s.around_target.begin(), s.around_target.end(), keeps)) return false;
     }
     if (!find_partners(source, target, rules, s)) return false;
+    if (s.partners.size() + wedges_.at(target).size() > max_step_wedges) return false;
     find_changes(merge, target, s);
     if (rules.seams && wedges_.has_texture_coordinates()) {
         const auto keeps = [&](const Scratch::Corner& c) { return keeps_texture(c, s); };
@@ -331,7 +365,7 @@ bool Surface::find_partners(std::uint32_t source, std::uint32_t target, const Ru
 // The values that the target's wedges get; none where it stays as it is.
 void Surface::find_changes(const Merge& merge, std::uint32_t target, Scratch& s) const {
     s.changes.clear();
-    if (merge.point == g_.points[target]) return;
+    if (merge.point == points_[target]) return;
     const Wedges::Range there = wedges_.at(target);
     for (std::uint32_t w = there.first; w < there.last; ++w) {
         if (!wedges_.is_used(w)) continue;
@@ -361,7 +395,7 @@ void Surface::drop_use(std::uint32_t wedge, Log& log) {
     wedges_.drop_uses(wedge, 1);
     if (wedges_.is_used(wedge)) return;
     log.deaths.push_back({wedge, 0});
-    log.add_change(wedge, g_.points[position_of_wedge(wedge)], wedges_);
+    log.add_change(wedge, points_[position_of_wedge(wedge)], wedges_);
 }
 
 // `dying`: a position whose wedges are seen to by the merge.
@@ -380,7 +414,7 @@ void Surface::vanish(std::uint32_t face, std::uint32_t dying, float key, Log& lo
 }
 
 void Surface::commit(const Merge& merge, std::uint32_t source, std::uint32_t target, Log& log, Scratch& s) {
-    const float key = step_key(merge, source, target, s);
+    const float key = std::max(step_key(merge, source, target, s), log.last_key());
     s.vanished = s.vanishing.size();
     for (const Wedges::Pair& pair : s.partners) wedges_.add_use(pair.to);  // it must not go before the corners come
     if (s.vanishing.size() > 2) {
@@ -406,15 +440,18 @@ void Surface::commit(const Merge& merge, std::uint32_t source, std::uint32_t tar
     for (const Wedges::Pair& pair : s.partners) drop_use(pair.to, log);
     for (const Scratch::Change& change : s.changes) {
         if (!wedges_.is_used(change.wedge)) continue;
-        log.add_change(change.wedge, g_.points[target], wedges_);
+        log.add_change(change.wedge, points_[target], wedges_);
         wedges_.set_attributes(change.wedge, change.attributes);
     }
     log.end_step(key);
 
-    g_.points[target] = merge.point;
+    points_[target] = merge.point;
     seam_[target] |= seam_[source];
     keys_[target] = key;
-    sheets_->merge(source, target);
+    if (merge.rules->sheets && sheets_->has_one_sheet(source))
+        sheets_->collapse(merge.edge);
+    else
+        sheets_->merge(source, target);
     for (const EdgeHandle edge : s.edges) rules_[index_of(edge)] = 0;
     for (const std::uint32_t n : s.neighbours) touch(n);
     touch(target);
@@ -428,7 +465,7 @@ void Surface::commit(const Merge& merge, std::uint32_t source, std::uint32_t tar
 
 void Surface::drop(const std::vector<std::uint32_t>& faces, float key, Log& log) {
     for (const std::uint32_t face : faces) {
-        float after = key;
+        float after = std::max(key, log.last_key());
         for (const std::uint32_t w : face_wedges_[face]) after = std::max(after, keys_[position_of_wedge(w)]);
         vanish(face, none, after, log);
         log.end_step(after);

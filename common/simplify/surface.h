@@ -8,7 +8,6 @@
 #include <optional>
 #include <vector>
 
-#include "common/simplify/geometry.h"
 #include "common/simplify/log.h"
 #include "common/simplify/placement.h"
 #include "common/simplify/sheet_mesh.h"
@@ -45,9 +44,15 @@ struct Merge {
 
 class Surface {
   public:
-    explicit Surface(const mesh::Mesh& mesh);
+    explicit Surface(mesh::Mesh mesh);
 
-    const Geometry& geometry() const { return g_; }
+    std::size_t positions() const { return points_.size(); }
+    std::size_t faces() const { return face_wedges_.size(); }
+    int exponent() const { return exponent_; }  // Geometry's
+    const Vec3f& place(std::uint32_t position) const { return points_[position]; }
+    const Vec3f& place_of_wedge(std::uint32_t wedge) const { return points_[position_of_wedge(wedge)]; }
+    bool has_materials() const { return !face_materials_.empty(); }
+    std::uint32_t material(std::uint32_t face) const { return face_materials_[face]; }
     const SheetMesh& sheets() const { return *sheets_; }  // pre: merging has not ended
     const Wedges& wedges() const { return wedges_; }
     const mesh::Triangle& face_wedges(std::uint32_t face) const { return face_wedges_[face]; }
@@ -98,17 +103,18 @@ class Surface {
     void end_merging();
 
   private:
+    void weigh_normals();
     Form form(std::uint32_t position);
-    Form shared_form(HalfedgeHandle h) const;
-    Vec3d twice_area(const Vec3d& at, HalfedgeHandle outgoing) const;
+    Vec3d shared_area(HalfedgeHandle h) const;
     bool is_line(HalfedgeHandle h) const;
     bool is_seam(HalfedgeHandle h) const;
     bool must_hold(std::uint32_t position) const;
     std::uint32_t wedge_at(std::uint32_t face, std::uint32_t position) const;
     Merge at_end(HalfedgeHandle h, const Rules& rules, double cost, double area) const;
-    Vec3d point(std::uint32_t position) const { return Vec3d(g_.points[position]); }
+    Vec3d point(std::uint32_t position) const { return Vec3d(points_[position]); }
 
     bool keeps_sheets(std::uint32_t source, std::uint32_t target) const;
+    void prepare_positions();
     void gather(std::uint32_t source, std::uint32_t target, bool moves, Scratch& s) const;
     bool keeps_shape(const Scratch::Corner& c, const Vec3d& new_apex) const;
     bool keeps_texture(const Scratch::Corner& c, const Scratch& s) const;
@@ -120,17 +126,19 @@ class Surface {
     void vanish(std::uint32_t face, std::uint32_t dying, float key, Log& log);
     void touch(std::uint32_t position);
 
-    Geometry g_;
+    int exponent_ = 0;
+    std::vector<Vec3f> points_;                     // of each position, scaled
     std::vector<std::uint32_t> position_of_wedge_;  // empty: of the same number
     std::optional<SheetMesh> sheets_;
     Wedges wedges_;
-    std::vector<mesh::Triangle> face_wedges_;  // of each face, in the corner order of the source's triangle
-    std::vector<std::uint8_t> live_;           // of each face
-    std::vector<std::uint8_t> seam_;           // of each position: whether attributes part there
-    std::vector<std::uint8_t> held_;           // of each position: whether it must not move on its own
-    std::vector<StoredForm> forms_;            // of each position
-    std::vector<float> keys_;                  // of each position: of the last step that touched it
-    std::vector<std::uint8_t> rules_;          // of each edge
+    std::vector<mesh::Triangle> face_wedges_;    // of each face, in the corner order of the source's triangle
+    std::vector<std::uint32_t> face_materials_;  // of each face; empty: all alike
+    std::vector<std::uint8_t> live_;             // of each face
+    std::vector<std::uint8_t> seam_;             // of each position: whether attributes part there
+    std::vector<std::uint8_t> held_;             // of each position: whether it must not move on its own
+    std::vector<StoredForm> forms_;              // of each position
+    std::vector<float> keys_;                    // of each position: of the last step that touched it
+    std::vector<std::uint8_t> rules_;            // of each edge
 };
 
 // The square root of a cost, as steps are ordered by.

@@ -16,6 +16,9 @@ constexpr float texture_tolerance = 1e-5f;  // of the texture's width
 constexpr int color_tolerance = 2;          // of 255
 constexpr double other_material = 1e6;      // a foreign material is worse than any other attribute
 
+constexpr float least_normal = 1e-3f;  // of the sum of two normals, against their lengths: opposite ones have no mean
+constexpr double min_normal_length = 1e-15, max_normal_length = 1e15;  // well inside single precision when squared
+
 template <class Attribute>
 std::vector<Attribute> reordered(const std::vector<Attribute>& of_vertex, const std::vector<std::uint32_t>& wedge) {
     std::vector<Attribute> of_wedge(of_vertex.size());
@@ -32,9 +35,8 @@ std::uint8_t mix(std::uint8_t a, std::uint8_t b, double weight) {
 Attributes mix(const Attributes& a, const Attributes& b, double weight) {
     Attributes m;
     const auto w = static_cast<float>(weight);
-    const Vec3f normal = a.normal + w * (b.normal - a.normal);
-    const float size = length(normal);
-    m.normal = size > 1e-6f ? normal / size : a.normal;
+    m.normal = a.normal + b.normal;
+    if (!(length(m.normal) > least_normal * (length(a.normal) + length(b.normal)))) m.normal = a.normal;
     m.texture_coordinate = a.texture_coordinate + w * (b.texture_coordinate - a.texture_coordinate);
     for (int k = 0; k < 4; ++k) m.color[k] = mix(a.color[k], b.color[k], weight);
     return m;
@@ -93,6 +95,11 @@ bool Wedges::has_seam(std::uint32_t position) const {
     return false;
 }
 
+void Wedges::weigh_normal(std::uint32_t wedge, double area) {
+    if (!normals_.empty())
+        normals_[wedge] *= static_cast<float>(std::clamp(area, min_normal_length, max_normal_length));
+}
+
 Attributes Wedges::attributes(std::uint32_t wedge) const {
     Attributes a;
     if (!normals_.empty()) a.normal = normals_[wedge];
@@ -120,7 +127,10 @@ bool Wedges::agree(std::uint32_t a, std::uint32_t b) const {
 }
 
 double Wedges::normal_distance(std::uint32_t a, std::uint32_t b) const {
-    return normals_.empty() ? 0.0 : 1.0 - double{dot(normals_[a], normals_[b])};
+    if (normals_.empty()) return 0.0;
+    const Vec3d n(normals_[a]), m(normals_[b]);
+    const double lengths = length(n) * length(m);
+    return lengths > 0 ? 1.0 - dot(n, m) / lengths : 0.0;
 }
 
 double Wedges::attribute_distance(std::uint32_t a, std::uint32_t b) const {

@@ -9,7 +9,8 @@
 
 namespace lodestream::simplify {
 
-// What a vertex has beside its position.
+// What a vertex has beside its position. A normal is as long as the area that it stands for, so that merged normals are
+// the mean over what was merged; only its direction leaves the engine.
 struct Attributes {
     Vec3f normal{0.0f};
     Vec2f texture_coordinate{0.0f};
@@ -18,6 +19,7 @@ struct Attributes {
 
 class Wedges {
   public:
+    Wedges() = default;
     // `positions`: of every vertex of the mesh its position's number, below `count`. Wedges are numbered by position;
     // `wedge_of_vertex` is filled with their numbers.
     Wedges(const mesh::Mesh& mesh, const std::vector<std::uint32_t>& positions, std::uint32_t count,
@@ -41,6 +43,9 @@ class Wedges {
     void add_use(std::uint32_t wedge) { ++uses_[wedge]; }
     void drop_uses(std::uint32_t wedge, std::uint32_t count) { uses_[wedge] -= count; }
     bool is_used(std::uint32_t wedge) const { return uses_[wedge] > 0; }
+
+    // The area around a wedge, >= 0: how much its normal counts.
+    void weigh_normal(std::uint32_t wedge, double area);
 
     bool has_normals() const { return !normals_.empty(); }
     bool has_texture_coordinates() const { return !texture_coordinates_.empty(); }
@@ -79,7 +84,7 @@ class Wedges {
     std::vector<std::uint32_t> uses_;
 };
 
-// a + weight * (b - a), the normal of unit length again.
+// a + weight * (b - a); normals are added.
 Attributes mix(const Attributes& a, const Attributes& b, double weight);
 
 }  // namespace lodestream::simplify

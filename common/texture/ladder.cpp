@@ -36,6 +36,16 @@ Result<Encoded> encode(const image::Pixels& pixels, Format source, const ImageUs
     return Encoded{Format::png, *std::move(png)};
 }
 
+Result<Sizes> sizes_within(const mesh::Image& source, const ImageUse& use, std::uint64_t& texels_allowed) {
+    const Result<image::Header> header = image::read_header(source.bytes);
+    if (!header) return header.error();
+    const std::uint64_t texels = std::uint64_t{header->width} * header->height;
+    if (texels > texels_allowed)
+        return fail(ErrorCode::limit_exceeded, "the model's images together have more texels than the limit");
+    texels_allowed -= texels;
+    return smaller_sizes(source, use);
+}
+
 image::Pixels pixels_of(const image::LinearPixels& linear, const ImageUse& use) {
     image::Pixels pixels = image::to_pixels(linear, use.content);
     if (!use.reads_alpha)
@@ -67,11 +77,11 @@ Result<Sizes> smaller_sizes(const mesh::Image& source, const ImageUse& use) {
     }
 }
 
-Result<Ladder> make_ladder(const mesh::Model& model, const std::vector<ImageUse>& uses) {
+Result<Ladder> make_ladder(const mesh::Model& model, const std::vector<ImageUse>& uses, std::uint64_t texels_allowed) {
     Result<Ladder> ladder(Ladder(model.images.size()));
     for (std::size_t i = 0; i < uses.size(); ++i) {
         if (!uses[i].is_used) continue;
-        Result<Sizes> sizes = smaller_sizes(model.images[i], uses[i]);
+        Result<Sizes> sizes = sizes_within(model.images[i], uses[i], texels_allowed);
         if (sizes)
             (*ladder)[i] = *std::move(sizes);
         else

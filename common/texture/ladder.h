@@ -2,7 +2,7 @@
 // Texels below a pixel are left out by choosing among them (choice.h).
 #pragma once
 
-#include <string>
+#include <cstdint>
 #include <vector>
 
 #include "common/base/result.h"
@@ -30,8 +30,13 @@ using Ladder = std::vector<Sizes>;  // one for each of a model's images; empty: 
 // dropped. Errors: those of image::decode.
 Result<Sizes> smaller_sizes(const mesh::Image& image, const ImageUse& use);
 
-// Of every used image. One that cannot be decoded has no sizes, and a line in the result's warnings.
-Result<Ladder> make_ladder(const mesh::Model& model, const std::vector<ImageUse>& uses);
+// Texels of a model's images that are made smaller, together: small files can hold huge pictures.
+inline constexpr std::uint64_t max_texels = 256ull << 20;
+
+// Of every used image. One that cannot be decoded or goes beyond `texels_allowed` has no sizes, and a line in the
+// result's warnings.
+Result<Ladder> make_ladder(const mesh::Model& model, const std::vector<ImageUse>& uses,
+                           std::uint64_t texels_allowed = max_texels);
 inline Result<Ladder> make_ladder(const mesh::Model& model) {
     return make_ladder(model, image_uses(model));
 }

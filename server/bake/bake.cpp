@@ -166,11 +166,12 @@ Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::
     simplify::RecordOptions recording;
     recording.progress = [&](double share) { return progress(share * recorded_share); };
     recording.executor = all_cores();
-    Result<simplify::History> history = simplify::record_history(model.mesh, recording);
+    BakedModel baked = describe_model(model);
+    Result<simplify::History> history = simplify::record_history(std::move(model.mesh), recording);
     if (!history) return history.error();
-
-    const mesh::Mesh source = model.mesh;
-    BakedModel baked = make_baked_model(std::move(model), std::move(*history));
+    model = {};
+    set_history(baked, std::move(*history));
+    const mesh::Mesh source = simplify::cut(baked.history, simplify::triangle_count(simplify::view(baked.history)));
     Result<texture::Ladder> ladder = load_textures(store, asset.id, baked.model.images.size());
     if (!ladder) return ladder.error();
     const texture::Textures textures = texture::textures_of(*std::move(ladder), baked.image_uses, baked.texel_sizes);

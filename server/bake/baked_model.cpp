@@ -35,7 +35,8 @@ void describe_all(Stream& stream, Baked& baked) {
     stream.array(history.texture_coordinates);
     stream.array(history.colors);
     stream.array(history.changed_vertices);
-    stream.array(history.corner_moves);
+    stream.array(history.moved_corners);
+    stream.array(history.moved_corner_ends);
     stream.array(history.triangles);
     stream.array(history.triangle_materials);
 }
@@ -86,16 +87,22 @@ Status validate(const BakedView& baked) {
 
 }  // namespace
 
-BakedModel make_baked_model(mesh::Model model, simplify::History history) {
+BakedModel describe_model(const mesh::Model& model) {
     BakedModel baked;
     baked.bounds = mesh::bounds(model.mesh);
-    for (const Vec3f& p : history.positions) baked.grid_bounds.add(Vec3d(p));
     baked.image_uses = texture::image_uses(model);
     baked.texel_sizes = texture::texel_sizes(model);
-    baked.model = std::move(model);
-    baked.model.mesh = {};
-    baked.history = std::move(history);
+    baked.model.materials = model.materials;
+    baked.model.images = model.images;
+    baked.model.origin = model.origin;
+    baked.model.kind = model.kind;
+    baked.model.objects = model.objects;
     return baked;
+}
+
+void set_history(BakedModel& baked, simplify::History history) {
+    for (const Vec3f& p : history.positions) baked.grid_bounds.add(Vec3d(p));
+    baked.history = std::move(history);
 }
 
 std::vector<std::byte> serialize(const BakedModel& baked) {

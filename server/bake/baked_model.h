@@ -34,8 +34,10 @@ struct BasicBakedModel {
 using BakedModel = BasicBakedModel<simplify::History>;
 using BakedView = BasicBakedModel<simplify::HistoryView>;  // its history is in the bytes that it was opened from
 
-// pre: `mesh` is what `history` was recorded for.
-BakedModel make_baked_model(mesh::Model model, simplify::History history);
+// All but history and errors: the mesh may be given away after this.
+BakedModel describe_model(const mesh::Model& model);
+// pre: `history` was recorded for the mesh of the model described.
+void set_history(BakedModel& baked, simplify::History history);
 
 std::vector<std::byte> serialize(const BakedModel& baked);
 // Hostile bytes: every count and index is checked. `bytes` must begin at a multiple of 8 in memory and outlive the

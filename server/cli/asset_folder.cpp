@@ -19,6 +19,7 @@ namespace {
 
 // Beside an asset's baked model: the state of the file that it was made of, so that a restart does not bake it again.
 constexpr std::string_view source_key = http::BakeQueue::origin_key;
+constexpr std::size_t max_namesakes = 16;  // files whose names and paths differ in nothing that an asset's id keeps
 
 std::string stamp_of(const fs::directory_entry& entry) {
     std::error_code ignored;
@@ -54,8 +55,7 @@ AssetFolder::~AssetFolder() = default;
 void AssetFolder::scan() {
     const Outcome outcome = submit_changed();
     if (!std::exchange(first_scan_, false)) return;
-    std::printf("assets: %zu models found, %zu refused\n", outcome.models, outcome.refused);
-    std::fflush(stdout);
+    std::fprintf(stderr, "assets: %zu models found, %zu refused\n", outcome.models, outcome.refused);
 }
 
 AssetFolder::Outcome AssetFolder::submit_changed() {
@@ -83,7 +83,9 @@ std::optional<std::string> AssetFolder::name_of(const fs::path& file) {
     if (const auto known = names_.find(file); known != names_.end()) return known->second;
     std::string path = file.lexically_relative(folder_).generic_string();
     std::replace(path.begin(), path.end(), '/', '-');
-    for (const std::string& name : {asset_name_of(file.string()), file.filename().string(), path}) {
+    std::vector<std::string> candidates{asset_name_of(file.string()), file.filename().string(), path};
+    for (std::size_t i = 2; i <= max_namesakes; ++i) candidates.push_back(path + "-" + std::to_string(i));
+    for (const std::string& name : candidates) {
         if (!is_free(name)) continue;
         ids_.insert(*bake::asset_id(name));
         return names_[file] = name;

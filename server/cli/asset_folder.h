@@ -1,7 +1,7 @@
 // Keeps the assets of a folder and its sub-folders baked: every model in it at start, and what is added or changed
 // later. A removed file's asset stays.
 // An asset is named after its file without the extension. Where another file, an upload or a sample has that name
-// already, it keeps its extension, and where that is taken too, its path in the folder with '-' for '/'.
+// already, it keeps its extension; where that is taken too, its path in the folder with '-' for '/', then numbered.
 #pragma once
 
 #include <chrono>
@@ -26,7 +26,7 @@ class AssetFolder {
     AssetFolder(std::filesystem::path folder, store::Store& store, http::BakeQueue& bakes);
     ~AssetFolder();
 
-    void scan();  // once; the thread calls it every `interval`. The first says on stdout what it found.
+    void scan();  // once; the thread calls it every `interval`. The first says on stderr what it found.
 
   private:
     struct Outcome {

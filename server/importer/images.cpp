@@ -1,6 +1,7 @@
 #include "server/importer/images.h"
 
 #include "common/image/codec.h"
+#include "common/image/png_chunks.h"
 
 namespace lodestream::importer {
 
@@ -16,7 +17,7 @@ int add_image(std::span<const std::byte> bytes, const std::string& name, const L
         return drop("sides longer than the limit");
     soup.image_bytes += bytes.size();
     soup.images.push_back(
-        {image::media_type(header->format), {bytes.begin(), bytes.end()}, header->width, header->height});
+        {image::media_type(header->format), image::pixels_only(bytes), header->width, header->height});
     return static_cast<int>(soup.images.size() - 1);
 }
 

@@ -8,6 +8,7 @@
 #include "tests/bench/engine.h"
 #include "tests/bench/fit.h"
 #include "tests/bench/inputs.h"
+#include "tests/bench/plots.h"
 #include "tests/bench/process_memory.h"
 #include "tests/bench/stopwatch.h"
 #include "tests/bench/table.h"
@@ -17,7 +18,7 @@ namespace {
 
 struct Arguments {
     std::string data = "../shared/data";
-    std::string csv_file;
+    std::string csv_file, plot_file;
     std::vector<std::string> series{"terrain", "scan"};
     std::uint64_t max_triangles = 6'000'000;
     int rounds = 3;
@@ -32,6 +33,8 @@ struct GrowthResult {
 };
 
 constexpr double memory_target_bytes = 250.0;
+// On smaller models a fixed megabyte of code pages and stacks would count as theirs.
+constexpr std::uint64_t memory_least_vertices = 50'000;
 // What timing noise may add to an exponent of 1.
 constexpr double exponent_target = 1.05;
 
@@ -66,11 +69,11 @@ double n_log_n(const GrowthResult& result) {
 
 std::string growth_table(const std::vector<GrowthResult>& results) {
     std::vector<TableRow> rows{
-        {"series", "triangles", "vertices", "wall ms", "CPU ms", "Mtri/s", "ns / (n log2 n)", "bytes/vertex"}};
+        {"series", "triangles", "vertices", "wall ms", "CPU ms", "Mtri/s", "CPU ns / (n log2 n)", "bytes/vertex"}};
     for (const GrowthResult& r : results)
         rows.push_back({r.series, std::to_string(r.triangles), std::to_string(r.vertices), fixed(r.record.wall_ms, 0),
                         fixed(r.record.cpu_ms, 0), fixed(static_cast<double>(r.triangles) / r.record.wall_ms / 1e3, 3),
-                        fixed(1e6 * r.record.wall_ms / n_log_n(r), 2), fixed(r.bytes_per_vertex, 0)});
+                        fixed(1e6 * r.record.cpu_ms / n_log_n(r), 2), fixed(r.bytes_per_vertex, 0)});
     return to_text(rows);
 }
 
@@ -83,12 +86,12 @@ Line fit_growth(const std::vector<GrowthResult>& results, const std::string& ser
 }
 
 std::string fit_table(const std::vector<GrowthResult>& results, const std::vector<std::string>& series) {
-    std::vector<TableRow> rows{{"series", "exponent of n log n, wall", "CPU", "R squared", "target", "verdict"}};
+    std::vector<TableRow> rows{{"series", "exponent of n log n, CPU", "wall", "R squared", "target", "verdict"}};
     for (const std::string& name : series) {
         const Line wall = fit_growth(results, name, &Duration::wall_ms);
         const Line cpu = fit_growth(results, name, &Duration::cpu_ms);
-        rows.push_back({name, fixed(wall.slope, 3), fixed(cpu.slope, 3), fixed(wall.r_squared, 4),
-                        "<= " + fixed(exponent_target, 2), wall.slope <= exponent_target ? "pass" : "FAIL"});
+        rows.push_back({name, fixed(cpu.slope, 3), fixed(wall.slope, 3), fixed(cpu.r_squared, 4),
+                        "<= " + fixed(exponent_target, 2), cpu.slope <= exponent_target ? "pass" : "FAIL"});
     }
     return to_text(rows);
 }
@@ -102,6 +105,47 @@ void write_csv(const std::string& file, const std::vector<GrowthResult>& results
     if (!out) throw std::runtime_error("cannot write " + file);
 }
 
+// Through the smallest model of a series, growing as n log n does.
+report::Series n_log_n_series(const report::Series& measured, const GrowthResult& first,
+                              const std::vector<GrowthResult>& results) {
+    report::Series series{measured.name + " if n log n", {}, true, false, true, measured.style};
+    for (const GrowthResult& r : results)
+        if (r.series == measured.name)
+            series.points.push_back(
+                {static_cast<double>(r.triangles), first.record.cpu_ms * n_log_n(r) / n_log_n(first), "n log n"});
+    return series;
+}
+
+void write_plot(const std::string& file, const std::vector<GrowthResult>& results,
+                const std::vector<std::string>& names) {
+    using enum report::AxisScale;
+    report::Plot time{"CPU time to record", {"triangles", logarithmic}, {"ms", logarithmic}, {}, {}};
+    report::Plot memory{"Peak memory over the mesh", {"triangles", logarithmic}, {"bytes a vertex", linear}, {}, {}};
+    for (std::size_t k = 0; k < names.size(); ++k) {
+        report::Series times{names[k], {}, true, true, false, k}, bytes = times;
+        for (const GrowthResult& r : results) {
+            if (r.series != names[k]) continue;
+            const double n = static_cast<double>(r.triangles);
+            times.points.push_back({n, r.record.cpu_ms, brief(n) + " triangles: " + brief(r.record.cpu_ms) + " ms"});
+            bytes.points.push_back({n, r.bytes_per_vertex, brief(r.bytes_per_vertex) + " bytes a vertex"});
+        }
+        const auto first = std::ranges::find(results, names[k], &GrowthResult::series);
+        time.series.push_back(times);
+        time.series.push_back(n_log_n_series(times, *first, results));
+        memory.series.push_back(bytes);
+    }
+    write_plots(file, "Recording ever larger models", {time, memory});
+}
+
+void print_memory_verdict(const std::vector<GrowthResult>& results) {
+    double most = 0;
+    for (const GrowthResult& r : results)
+        if (r.vertices >= memory_least_vertices) most = std::max(most, r.bytes_per_vertex);
+    std::cout << "\nmost memory on at least " << memory_least_vertices << " vertices: " << fixed(most, 0)
+              << " bytes a vertex; target <= " << fixed(memory_target_bytes, 0) << ": "
+              << (most <= memory_target_bytes ? "pass" : "FAIL") << '\n';
+}
+
 void run(const Arguments& arguments) {
     std::vector<GrowthResult> results;
     for (const std::string& series : arguments.series)
@@ -113,11 +157,9 @@ void run(const Arguments& arguments) {
             results.push_back(measure_growth(series, input->mesh, arguments.rounds));
         }
     std::cout << growth_table(results) << '\n' << fit_table(results, arguments.series);
-    const auto most = std::ranges::max_element(results, {}, &GrowthResult::bytes_per_vertex);
-    std::cout << "\nmost memory: " << fixed(most->bytes_per_vertex, 0) << " bytes a vertex at " << most->triangles
-              << " triangles; target <= " << fixed(memory_target_bytes, 0) << ": "
-              << (most->bytes_per_vertex <= memory_target_bytes ? "pass" : "FAIL") << '\n';
+    print_memory_verdict(results);
     if (!arguments.csv_file.empty()) write_csv(arguments.csv_file, results);
+    if (!arguments.plot_file.empty()) write_plot(arguments.plot_file, results, arguments.series);
 }
 
 }  // namespace
@@ -132,12 +174,13 @@ int main(int argc, char** argv) {
         ->check(CLI::IsMember({"terrain", "scan"}))
         ->capture_default_str();
     app.add_option("--max-triangles", arguments.max_triangles, "larger models are left out")
-        ->check(CLI::Range(300'000ull, 100'000'000ull))
+        ->check(CLI::Range(350'000ull, 100'000'000ull))
         ->capture_default_str();
     app.add_option("--rounds", arguments.rounds, "runs of each model")
         ->check(CLI::Range(1, 100))
         ->capture_default_str();
     app.add_option("--csv", arguments.csv_file, "where to write the numbers");
+    app.add_option("--plot", arguments.plot_file, "where to write the plots, as a page");
     CLI11_PARSE(app, argc, argv);
     try {
         lodestream::bench::run(arguments);

@@ -1,7 +1,9 @@
 // lodestream_bench_seams: textured models with seams, beside meshoptimizer's seam handling; see README.md.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <optional>
@@ -30,7 +32,7 @@ constexpr std::array<double, 4> shares_percent{50.0, 25.0, 10.0, 5.0};
 // An open edge is a hole where it is farther from the full model's open boundary than a simplified boundary is.
 constexpr double hole_distance_percent = 2.0;  // of the diagonal
 constexpr double hole_distance_rms = 3.0;      // of the level's RMS error, if that is more
-// Where the peer stops so far above the count asked for, it went no further: one such row says it.
+// Where the peer stops so far above the count asked for, it went no further: one such row says it, and does not count.
 constexpr double stuck_share = 1.05;
 
 struct SeamLevel {
@@ -46,6 +48,10 @@ struct SeamResult {
     std::uint64_t asked = 0;  // of meshoptimizer; ours is asked for what that reached
     SeamLevel peer, ours;
 };
+
+bool is_stuck(const SeamResult& result) {
+    return static_cast<double>(result.peer.triangles) > stuck_share * static_cast<double>(result.asked);
+}
 
 std::vector<std::string> default_models(const std::string& data) {
     std::vector<std::string> files;
@@ -143,7 +149,7 @@ std::vector<SeamResult> compare_seams(const std::string& file, const Arguments& 
             judge.gallery().write(fs::path(arguments.picture_folder) /
                                   (name + "_" + std::to_string(std::lround(percent)) + ".png"));
         results.push_back(result);
-        if (static_cast<double>(result.peer.triangles) > stuck_share * static_cast<double>(result.asked)) break;
+        if (is_stuck(result)) break;
     }
     return results;
 }
@@ -154,7 +160,7 @@ double image_ratio(const SeamResult& result) {
 
 std::string seam_table(const std::vector<SeamResult>& results) {
     std::vector<TableRow> rows{{"model", "%", "asked", "meshopt: count", "holes", "RMS %", "image", "outline %",
-                                "ours: count", "holes", "RMS %", "image", "outline %", "image ratio"}};
+                                "ours: count", "holes", "RMS %", "image", "outline %", "image ratio", ""}};
     for (const SeamResult& r : results) {
         TableRow row{r.model, fixed(r.percent, 0), std::to_string(r.asked)};
         for (const SeamLevel* level : {&r.peer, &r.ours})
@@ -162,28 +168,31 @@ std::string seam_table(const std::vector<SeamResult>& results) {
                        {std::to_string(level->triangles), std::to_string(level->holes), fixed(level->rms_percent, 3),
                         fixed(level->image.rms, 2), fixed(level->image.silhouette_percent, 2)});
         row.push_back(fixed(image_ratio(r), 3));
+        row.emplace_back(is_stuck(r) ? "meshopt stuck" : "");
         rows.push_back(row);
     }
     return to_text(rows);
 }
 
 void print_verdict(const std::vector<SeamResult>& results) {
-    std::uint64_t peer_holes = 0, our_holes = 0, better = 0;
+    std::uint64_t peer_holes = 0, our_holes = 0, compared = 0, better = 0;
     double logarithms = 0;
     for (const SeamResult& r : results) {
-        peer_holes += r.peer.holes;
         our_holes += r.ours.holes;
+        if (is_stuck(r)) continue;
+        peer_holes += r.peer.holes;
+        ++compared;
         better += image_ratio(r) < 1 ? 1 : 0;
         logarithms += std::log(image_ratio(r));
     }
-    const std::size_t all = results.size();
+    const double mean = std::exp(logarithms / static_cast<double>(compared));
     std::cout << to_text(
         {{"what", "value", "target", "verdict"},
          {"open edges that are holes, ours", std::to_string(our_holes), "0", our_holes == 0 ? "pass" : "FAIL"},
-         {"the same, meshopt", std::to_string(peer_holes), "", ""},
-         {"image error below meshopt's", std::to_string(better) + "/" + std::to_string(all), "all",
-          better == all ? "pass" : "FAIL"},
-         {"ratio of image errors, mean", fixed(std::exp(logarithms / static_cast<double>(all)), 3), "", ""}});
+         {"the same, meshopt where not stuck", std::to_string(peer_holes), "", ""},
+         {"image error below meshopt's", std::to_string(better) + "/" + std::to_string(compared), "all",
+          better == compared ? "pass" : "FAIL"},
+         {"ratio of image errors, mean", fixed(mean, 3), "", ""}});
 }
 
 void write_csv(const std::string& file, const std::vector<SeamResult>& results) {

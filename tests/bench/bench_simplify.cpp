@@ -9,6 +9,7 @@
 #include <set>
 
 #include "tests/bench/comparison.h"
+#include "tests/bench/table.h"
 #include "tests/bench/verdict.h"
 
 namespace lodestream::bench {
@@ -134,7 +135,8 @@ void run(const Arguments& arguments) {
         std::cout << comparison_table(models.back()) << std::endl;
     }
     const std::vector<Verdict> all = verdicts(models);
-    std::cout << verdict_table(all);
+    std::cout << verdict_table(all)
+              << "\nwall over CPU time of the peers (1 on a quiet machine): " << fixed(busyness(models), 2) << '\n';
     if (!arguments.json_file.empty()) write_json(arguments.json_file, models, all);
 }
 

@@ -2,18 +2,21 @@
 
 #include <stdexcept>
 
+#include "server/bake/executor.h"
 #include "tests/bench/methods.h"
 
 namespace lodestream::bench {
 
 Recording record(const mesh::Mesh& mesh) {
-    Result<simplify::History> history = simplify::record_history(mesh);
+    simplify::RecordOptions options;
+    options.executor = bake::all_cores();
+    Result<simplify::History> history = simplify::record_history(mesh, options);
     if (!history) throw std::runtime_error(history.error().message);
-    return {&mesh, std::move(*history)};
+    return {std::move(*history)};
 }
 
 mesh::Mesh cut(const Recording& recording, std::uint64_t triangles) {
-    return simplify::cut(*recording.source, recording.history, triangles);
+    return simplify::cut(recording.history, triangles);
 }
 
 Run run_ours(const mesh::Mesh& mesh, const std::vector<std::uint64_t>& counts) {

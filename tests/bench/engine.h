@@ -9,11 +9,10 @@
 namespace lodestream::bench {
 
 struct Recording {
-    const mesh::Mesh* source = nullptr;
     simplify::History history;
 };
 
-// Terminates with the error's message where the engine refuses. `mesh` must outlive the recording.
+// Recorded on all cores. Terminates with the error's message where the engine refuses.
 Recording record(const mesh::Mesh& mesh);
 mesh::Mesh cut(const Recording& recording, std::uint64_t triangles);
 

@@ -134,6 +134,17 @@ std::string comparison_table(const ModelResult& model) {
     return to_text(rows);
 }
 
+double busyness(const std::vector<ModelResult>& models) {
+    double wall = 0, cpu = 0;
+    for (const ModelResult& model : models)
+        for (const MethodResult& method : model.methods) {
+            if (method.method == "ours") continue;
+            wall += method.levels.back().reached.wall_ms;
+            cpu += method.levels.back().reached.cpu_ms;
+        }
+    return wall / cpu;
+}
+
 std::vector<Verdict> verdicts(const std::vector<ModelResult>& models) {
     std::vector<Verdict> all;
     for (const Rule& rule : rules()) {

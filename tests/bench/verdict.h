@@ -12,6 +12,10 @@ namespace lodestream::bench {
 // One row a level and method.
 std::string comparison_table(const ModelResult& model);
 
+// Wall over CPU time of the peers, which have one thread each: 1 on a quiet machine. Where it is more, the ratios in
+// CPU time say more. NaN without peers.
+double busyness(const std::vector<ModelResult>& models);
+
 struct Target {
     std::string what;
     std::optional<double> bound;  // absent: for information

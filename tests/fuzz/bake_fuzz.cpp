@@ -47,12 +47,13 @@ void require_cut(const simplify::HistoryView& history, std::uint64_t budget, std
 
 void bake_model(mesh::Model model, std::uint64_t seed) {
     const std::size_t materials = model.materials.size(), triangles = model.mesh.triangles.size();
-    Result<simplify::History> history = simplify::record_history(model.mesh);
+    bake::BakedModel baked = bake::describe_model(model);
+    Result<simplify::History> history = simplify::record_history(std::move(model.mesh));
     require(history.ok());
     require(simplify::validate(simplify::view(*history)).ok());
     require(simplify::triangle_count(simplify::view(*history)) <= triangles);
 
-    bake::BakedModel baked = bake::make_baked_model(std::move(model), *std::move(history));
+    bake::set_history(baked, *std::move(history));
     baked.errors = {{simplify::triangle_count(simplify::view(baked.history)), {}}};
     const std::vector<std::byte> bytes = bake::serialize(baked);
     const Result<bake::BakedView> opened = bake::open_baked_model(bytes);

@@ -287,6 +287,43 @@ TEST(ServerProgram, CtrlCCancelsABake) {
     for (const json& asset : server.get("/v1/assets")["assets"]) EXPECT_EQ(asset["status"], "failed");
 }
 
+// Polls until the server has `count` assets, however they are.
+std::vector<std::string> names_of(Server& server, std::size_t count) {
+    std::vector<std::string> names;
+    const auto deadline = std::chrono::steady_clock::now() + patience;
+    while (names.size() < count && std::chrono::steady_clock::now() < deadline) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        names.clear();
+        const json assets = server.get("/v1/assets");
+        for (const json& asset : assets.at("assets")) names.push_back(asset.at("name"));
+    }
+    return names;
+}
+
+TEST(ServerProgram, FilesOfOneNameInSubFoldersAreAssetsOfTheirOwn) {
+    testing::TemporaryFolder folder;
+    const fs::path models = folder.path() / "models";
+    for (const char* name : {"field.obj", "a/field.obj", "b/field.obj", "b/Field.obj"}) {
+        fs::create_directories((models / name).parent_path());
+        std::ofstream(models / name) << field(4);
+    }
+    std::ofstream(models / "upload.obj") << field(3);
+    {
+        Server server(folder.path() / "store");
+        EXPECT_EQ(server.call("POST", "/v1/assets?name=upload", field(5)).status, 202);
+        server.wait_for("upload");
+    }
+    const std::vector<std::string> expected{"Field.obj", "b-field.obj", "field", "field.obj-2", "upload", "upload.obj"};
+    for (int start = 0; start < 2; ++start) {  // a restart gives the same names
+        Server server(folder.path() / "store", {"--assets", models.string()});
+        EXPECT_THAT(names_of(server, expected.size()), ::testing::UnorderedElementsAreArray(expected)) << start;
+        EXPECT_EQ(server.wait_for("upload").at("triangles"), 50);
+        EXPECT_EQ(server.wait_for("upload.obj").at("triangles"), 18);
+        server.signal(SIGTERM);
+        EXPECT_EQ(server.wait(), 0);
+    }
+}
+
 TEST(ServerProgram, AsksForItsToken) {
     testing::TemporaryFolder folder;
     std::ofstream(folder.path() / "token") << "s3cret\n";

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
@@ -133,6 +134,17 @@ TEST(ImageCodec, SurvivesEveryFlippedByteOfAJpeg) {
             const auto pixels = decode(broken);
             EXPECT_TRUE(!pixels || is_consistent(*pixels)) << i;
         }
+}
+
+// A table that states more symbols than a byte can name made stb write past its own end.
+TEST(ImageCodec, RefusesAJpegWithAnOverlongHuffmanTable) {
+    auto jpeg = *encode_jpeg(gradient(8, 8), 80);
+    const std::array<std::byte, 2> marker{std::byte{0xff}, std::byte{0xc4}};
+    const auto table = std::search(jpeg.begin(), jpeg.end(), marker.begin(), marker.end());
+    ASSERT_NE(table, jpeg.end());
+    std::fill_n(table + 5, 16, std::byte{0xff});
+    EXPECT_EQ(read_header(jpeg).error().code, ErrorCode::invalid_input);
+    EXPECT_EQ(decode(jpeg).error().code, ErrorCode::invalid_input);
 }
 
 // One IDAT of zeros that inflates a thousandfold behind a header of one pixel.

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "common/simplify/history.h"
+#include "common/simplify/packed_normal.h"
 #include "tests/common/simplify/shapes.h"
 
 namespace lodestream::simplify {
@@ -12,15 +13,16 @@ using mesh::Mesh;
 // triangle 2 with a vertex of its own on them.
 History three_steps() {
     History h;
-    h.steps = {{1, 3, 0, 0}, {2, 4, 1, 1}, {3, 5, 1, 1}};
+    h.steps = {{1, 3, 0}, {2, 4, 1}, {3, 5, 1}};
     h.positions = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {2, 2, 0}, {1, 0, 0}, {3, 3, 0}};
     for (const Vec3f& p : h.positions) {
-        h.normals.emplace_back(0, 0, 1);
+        h.normals.push_back(pack_normal({0, 0, 1}));
         h.texture_coordinates.emplace_back(p);
         h.colors.emplace_back(static_cast<std::uint8_t>(p.x), static_cast<std::uint8_t>(p.y), 0, 255);
     }
     h.changed_vertices = {1};
-    h.corner_moves = {{2, 3}};
+    h.moved_corners = {2};
+    h.moved_corner_ends = {0, 0, 0, 1, 1};
     h.triangles = {{0, 1, 2}, {1, 3, 2}, {1, 4, 3}};
     h.triangle_materials = {7, 8, 9};
     return h;
@@ -61,12 +63,13 @@ TEST(Cut, CarriesAttributesAndMaterials) {
     for (std::size_t v = 0; v < level.positions.size(); ++v) {
         EXPECT_EQ(level.texture_coordinates[v], Vec2f(level.positions[v]));
         EXPECT_EQ(level.colors[v].r, level.positions[v].x);
+        EXPECT_EQ(level.normals[v], Vec3f(0, 0, 1));
     }
 }
 
 TEST(Cut, GoesBelowTheBudgetWhereTrianglesComeTogether) {
     History h = three_steps();
-    h.steps = {{1, 3, 0, 0}, {3, 5, 0, 1}};
+    h.steps = {{1, 3, 0}, {3, 5, 0}};
     h.positions.pop_back();
     h.normals.pop_back();
     h.texture_coordinates.pop_back();
@@ -86,6 +89,24 @@ TEST(Cut, LeavesOutTrianglesThatFold) {
     const Mesh level = cut(h, 3);
     EXPECT_EQ(level.triangles.size(), 2u);
     EXPECT_EQ(level.triangle_materials, (std::vector<std::uint32_t>{7, 9}));
+}
+
+TEST(PackedNormal, KeepsADirectionToAFewThousandthsOfADegree) {
+    for (int i = 0; i < 2000; ++i) {
+        const double theta = std::acos(1 - 2 * (i + 0.5) / 2000), phi = 2.399963 * i;
+        const Vec3d n{std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
+        const Vec3d back(unpack_normal(pack_normal(Vec3f(7.0 * n))));
+        EXPECT_LT(length(back - n), 1e-4) << i;
+    }
+}
+
+TEST(PackedNormal, IsAUnitVectorWhateverGoesIn) {
+    const float infinity = std::numeric_limits<float>::infinity();
+    for (const Vec3f& v : {Vec3f{0.0f}, Vec3f{infinity, 0, 0}, Vec3f{std::nanf(""), 1, 2}, Vec3f{-1, 0, 0},
+                           Vec3f{0, 0, -1}, Vec3f{3e38f, 3e38f, -3e38f}, Vec3f{1e-45f, 0, 0}})
+        EXPECT_NEAR(length(unpack_normal(pack_normal(v))), 1.0f, 1e-6f);
+    for (const std::uint32_t bits : {0u, 0xffffffffu, 0x80008000u, 0x7fff8000u, 0x80007fffu})
+        EXPECT_NEAR(length(unpack_normal(bits)), 1.0f, 1e-6f) << bits;
 }
 
 }  // namespace

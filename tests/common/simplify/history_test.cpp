@@ -32,7 +32,7 @@ TEST_F(Validate, RefusesTooFewValues) {
 }
 
 TEST_F(Validate, RefusesTooManyNormals) {
-    history.normals.push_back({0, 1, 0});
+    history.normals.push_back(0);
     expect_refused("values");
 }
 
@@ -52,8 +52,18 @@ TEST_F(Validate, RefusesTooManyChanges) {
 }
 
 TEST_F(Validate, RefusesTooFewCornerMoves) {
-    history.corner_moves.pop_back();
+    history.moved_corners.pop_back();
     expect_refused("corner moves");
+}
+
+TEST_F(Validate, RefusesCornerMovesForTooFewVertices) {
+    history.moved_corner_ends.pop_back();
+    expect_refused("corner moves");
+}
+
+TEST_F(Validate, RefusesAVertexThatGivesCornersBack) {
+    history.moved_corner_ends[history.moved_corner_ends.size() / 2] = 0;
+    expect_refused("takes corners");
 }
 
 TEST_F(Validate, RefusesTrianglesWithoutSteps) {
@@ -73,12 +83,7 @@ TEST_F(Validate, RefusesAChangeOfAVertexThatIsNotThere) {
 }
 
 TEST_F(Validate, RefusesAMoveOfACornerThatIsNotThere) {
-    history.corner_moves.front().corner = 3 * history.steps[last()].triangles - 1;
-    expect_refused("moves a corner");
-}
-
-TEST_F(Validate, RefusesAMoveToAVertexThatIsNotThere) {
-    history.corner_moves.front().vertex = history.steps[last()].vertices;
+    history.moved_corners.front() = 3 * history.steps[last()].triangles - 1;
     expect_refused("moves a corner");
 }
 

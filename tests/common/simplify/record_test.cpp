@@ -196,7 +196,8 @@ void expect_equal(const History& a, const History& b) {
     EXPECT_EQ(a.normals, b.normals);
     EXPECT_EQ(a.texture_coordinates, b.texture_coordinates);
     EXPECT_EQ(a.changed_vertices, b.changed_vertices);
-    EXPECT_EQ(a.corner_moves, b.corner_moves);
+    EXPECT_EQ(a.moved_corners, b.moved_corners);
+    EXPECT_EQ(a.moved_corner_ends, b.moved_corner_ends);
     EXPECT_EQ(a.triangles, b.triangles);
     EXPECT_EQ(a.triangle_materials, b.triangle_materials);
 }

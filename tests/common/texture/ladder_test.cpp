@@ -131,6 +131,18 @@ TEST(MakeLadder, KeepsADamagedImageAndSaysSo) {
     EXPECT_THAT(ladder.warnings[0], ::testing::HasSubstr("image 1 is sent as it is"));
 }
 
+TEST(MakeLadder, HoldsItsLimitOfTexelsTogether) {
+    mesh::Model model = square_with(png_of(noise(64, 64)));
+    model.images.push_back(model.images[0]);
+    model.materials[0].emissive_texture.image = 1;
+    const Result<Ladder> ladder = make_ladder(model, image_uses(model), 2 * 64 * 64 - 1);
+    ASSERT_TRUE(ladder.ok());
+    EXPECT_FALSE((*ladder)[0].empty());
+    EXPECT_TRUE((*ladder)[1].empty());
+    ASSERT_EQ(ladder.warnings.size(), 1u);
+    EXPECT_TRUE(make_ladder(model, image_uses(model), 2 * 64 * 64).warnings.empty());
+}
+
 TEST(MakeLadder, DoesNotLookAtUnusedImages) {
     mesh::Model model = square_with(png_of(noise(64, 64)));
     model.images.push_back({"image/png", {}, 8, 8});

@@ -30,8 +30,8 @@ BakedModel small_baked() {
     model.materials[0].base_color_texture.image = 0;
     model.images = {{"image/png", std::vector<std::byte>(5, std::byte{7}), 1, 1}};
     model.origin = {1e7, 2, 3};
-    simplify::History history = *simplify::record_history(model.mesh);
-    BakedModel baked = make_baked_model(std::move(model), std::move(history));
+    BakedModel baked = describe_model(model);
+    set_history(baked, *simplify::record_history(std::move(model.mesh)));
     baked.errors = {{60, {0.0, 0.0}}, {30, {0.1, 0.2}}};
     return baked;
 }
