@@ -288,8 +288,7 @@ Result<proto::PlanResponse> Planner::Impl::plan_baked(const proto::PlanRequest& 
         Result<proto::PlanResponse> response = plan_level(request, asset, **loaded, textures, *budget);
         if (!response) return response;
         const double excess = budget::network_excess(request.budget, cost, response->content.bytes);
-        if (budget->limited_by == budget::LimitedBy::network && excess > 1.0 && budget->triangles > 1 &&
-            correction < max_network_corrections) {
+        if (excess > 1.0 && budget->triangles > 1 && correction < max_network_corrections) {
             cost.bytes_factor *= excess * network_margin;
             continue;
         }
