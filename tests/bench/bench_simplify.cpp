@@ -110,7 +110,7 @@ void run(const Arguments& arguments) {
     options.methods = chosen_methods(arguments.only);
     options.max_rounds = arguments.rounds;
     options.errors = wanted("error");
-    options.memory = wanted("memory");
+    options.memory = wanted("memory") && std::ranges::count(arguments.only, "ours") > 0;
     options.picture_folder = arguments.picture_folder;
     if (!arguments.picture_folder.empty()) std::filesystem::create_directories(options.picture_folder);
 

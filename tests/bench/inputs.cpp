@@ -33,9 +33,10 @@ std::vector<Vec3f> smooth_normals(const mesh::Mesh& mesh) {
     return normals;
 }
 
-Input prepared(const std::string& name, const mesh::Mesh& mesh) {
+Result<Input> prepared(const std::string& name, const mesh::Mesh& mesh) {
     Input input{name, {}, {}};
     input.mesh = make_manifold(mesh, input.repairs);
+    if (input.mesh.triangles.empty()) return invalid_input(name + ": nothing of it is manifold");
     input.mesh.normals = smooth_normals(input.mesh);
     return input;
 }

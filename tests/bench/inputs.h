@@ -19,7 +19,7 @@ struct Input {
 
 // A model file; "made:86k", "made:346k", "made:1.4M" or "made:5.5M", the armadillo of `folder` subdivided to so many
 // triangles and given detail of their size; or "sample:terrain:40000", a model of server/samples. Errors as
-// import_file() and make_sample().
+// import_file() and make_sample(), and invalid_input where no triangle is left.
 Result<Input> load_input(const std::string& spec, const std::string& folder);
 
 // The specs of the default comparison: the large models below `folder` that exist, and "made:1.4M".
