@@ -44,12 +44,14 @@ std::vector<std::uint64_t> ladder_counts(std::uint64_t triangles) {
     return counts;
 }
 
-// Triangle counts at which errors are measured beside the rungs: the error grows fastest where the first triangles go.
+// Triangle counts at which errors are measured beside the rungs: the error grows fastest where the first triangles and
+// the last ones go.
 std::vector<std::uint64_t> measured_counts(std::uint64_t triangles) {
     std::vector<std::uint64_t> counts = ladder_counts(triangles);
     for (const double share : {0.9, 0.7})
         counts.push_back(static_cast<std::uint64_t>(share * static_cast<double>(triangles)));
-    counts.push_back(1);
+    for (const std::uint64_t few : {16, 4, 2, 1})
+        if (few < triangles) counts.push_back(few);
     return counts;
 }
 

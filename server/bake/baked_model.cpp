@@ -133,10 +133,9 @@ metric::SurfaceError error_of(std::span<const ErrorSample> errors, std::uint64_t
     if (coarser->triangles == triangles || coarser == errors.begin()) return coarser->error;
     const ErrorSample& finer = *(coarser - 1);
     if (!(finer.error.rms > 0) || coarser->triangles == 0) return coarser->error;
-    const auto logarithm = [](std::uint64_t n) { return std::log(static_cast<double>(n)); };
-    const double share = (logarithm(finer.triangles) - logarithm(triangles)) /
-                         (logarithm(finer.triangles) - logarithm(coarser->triangles));
-    return {finer.error.rms * std::pow(coarser->error.rms / finer.error.rms, share), coarser->error.max};
+    const double share =
+        static_cast<double>(finer.triangles - triangles) / static_cast<double>(finer.triangles - coarser->triangles);
+    return {finer.error.rms + share * (coarser->error.rms - finer.error.rms), coarser->error.max};
 }
 
 }  // namespace lodestream::bake

@@ -3,7 +3,7 @@
 //   clang++ -std=c++20 -g -O1 -fsanitize=fuzzer,address,undefined -I. -isystem /usr/include/eigen3 \
 //     tests/fuzz/bake_fuzz.cpp server/importer/*.cpp server/bake/baked_model.cpp common/codec/*.cpp common/image/*.cpp
 //     \
-//     common/mesh/*.cpp common/simplify/*.cpp common/texture/*.cpp \
+//     common/mesh/*.cpp common/metric/*.cpp common/simplify/*.cpp common/texture/*.cpp \
 //     -lOpenMeshCore -lmeshoptimizer -ldraco -o bake_fuzz && ./bake_fuzz -rss_limit_mb=2048 -timeout=20 CORPUS
 // Seed CORPUS with small models, each behind the two bytes that pick its format and budgets.
 #include <algorithm>

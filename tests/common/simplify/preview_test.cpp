@@ -87,10 +87,15 @@ TEST(Preview, BothSidesOfASeamStayAndLieOnOnePosition) {
     }
 }
 
-TEST(Preview, ACornerStaysSharp) {
-    mesh::Mesh edge = testing::grid(64, [](double x, double) { return x < 32 ? 0.0 : x - 32.0; });
-    const Preview preview = preview_of(edge, 300);
-    EXPECT_LT(preview.error.rms, 0.1);  // cells are 5 wide
+// A cell's vertex goes to where its planes meet: near the cube's edges and corners, not between them.
+TEST(Preview, EdgesAndCornersStaySharp) {
+    mesh::Mesh cube = testing::sphere(120);
+    for (Vec3f& p : cube.positions) p /= std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    const Preview preview = preview_of(cube, 600);  // cells are 0.3 wide
+    EXPECT_LT(preview.error.rms, 0.01);
+    Box bounds;
+    for (const Vec3f& p : preview.mesh.positions) bounds.add(Vec3d(p));
+    EXPECT_NEAR(bounds.diagonal(), 2.0 * std::sqrt(3.0), 0.05);
 }
 
 TEST(Preview, SheetsThatShareACellAreNotJoined) {
