@@ -1,0 +1,14 @@
+// The processor's speed at arithmetic that neither memory nor vector units decide.
+#pragma once
+
+#include <cstdint>
+
+#include "client/probe/statistics.h"
+
+namespace lodestream::probe {
+
+// One operation is a step of a 64-bit hash followed by a multiplication and addition in double precision.
+// `threads` at once, for `seconds` in rounds of a few ms; the rate is that of all threads together. pre: threads >= 1
+Rate measure_cpu(std::uint32_t threads, double seconds);
+
+}  // namespace lodestream::probe
