@@ -424,11 +424,8 @@ Result<AssetResult> Gatherer::measure_asset(const proto::Asset& listed) {
 }
 
 void Gatherer::add_frame_rate() {
-    std::vector<proto::Asset> assets;
-    for (const AssetResult& measured : data_.assets) assets.push_back(measured.asset);
-    Result<FrameRateResult> result =
-        measure_frame_rate(client_, renderer_, assets,
-                           {options_.quick, [&](const std::string& step) { return static_cast<bool>(begin(step)); }});
+    const auto progress = [&](const std::string& step) { return static_cast<bool>(begin(step)); };
+    Result<FrameRateResult> result = measure_frame_rate(client_, renderer_, {options_.quick, progress});
     if (result)
         data_.frame_rate = *std::move(result);
     else

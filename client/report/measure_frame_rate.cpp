@@ -36,12 +36,16 @@ fly::Screen screen_of(double width) {
     return screen;
 }
 
-const proto::Asset* flown_asset(const std::vector<proto::Asset>& assets) {
+Result<proto::Asset> flown_asset(sdk::Client& client) {
+    auto assets = client.assets();
+    if (!assets) return assets.error();
+    std::erase_if(*assets, [](const proto::Asset& asset) { return asset.status != proto::AssetStatus::ready; });
     const auto less = [](const proto::Asset& a, const proto::Asset& b) {
         return std::pair(a.kind == "terrain", a.triangles) < std::pair(b.kind == "terrain", b.triangles);
     };
-    const auto found = std::max_element(assets.begin(), assets.end(), less);
-    return found == assets.end() ? nullptr : &*found;
+    const auto found = std::max_element(assets->begin(), assets->end(), less);
+    if (found == assets->end()) return fail(ErrorCode::not_found, "no asset to fly over");
+    return std::move(*found);
 }
 
 // Three levels and a screen that make the paper's case on this renderer.
@@ -295,9 +299,9 @@ Result<FrameRateResult> FrameRate::run(const proto::Asset& asset, const fly::Sce
 }  // namespace
 
 Result<FrameRateResult> measure_frame_rate(sdk::Client& client, render::Renderer& renderer,
-                                           const std::vector<proto::Asset>& assets, const FrameRateOptions& options) {
-    const proto::Asset* asset = flown_asset(assets);
-    if (!asset) return fail(ErrorCode::not_found, "no asset to fly over");
+                                           const FrameRateOptions& options) {
+    const auto asset = flown_asset(client);
+    if (!asset) return asset.error();
     const auto ladder = fly::fetch_scenery(client, asset->id, max_flown_triangles);
     if (!ladder) return ladder.error();
     return FrameRate(renderer, options).run(*asset, *ladder);

@@ -3,13 +3,11 @@
 
 #include <functional>
 #include <string>
-#include <vector>
 
 #include "client/render/renderer.h"
 #include "client/report/frame_rate.h"
 #include "client/sdk/client.h"
 #include "common/base/result.h"
-#include "proto/messages.h"
 
 namespace lodestream::report {
 
@@ -18,9 +16,9 @@ struct FrameRateOptions {
     std::function<bool(const std::string&)> progress;  // false: stop. Never empty
 };
 
-// Flies over the terrain where there is one, else over the asset with the most triangles. Errors: those of client and
-// renderer, unavailable (`progress` said to stop; no level is cheap enough to fly), not_found (no asset).
+// Flies over the largest terrain that is ready, or over the largest asset where there is none. Errors: those of client
+// and renderer, unavailable (`progress` said to stop; no level is cheap enough to fly), not_found (no asset is ready).
 Result<FrameRateResult> measure_frame_rate(sdk::Client& client, render::Renderer& renderer,
-                                           const std::vector<proto::Asset>& assets, const FrameRateOptions& options);
+                                           const FrameRateOptions& options);
 
 }  // namespace lodestream::report

@@ -203,7 +203,7 @@ std::string ladder_text(const FrameRateResult& result) {
 }
 
 std::string text_of(const FrameRateResult& result) {
-    return "<p>The ISBLC paper’s motion (" + escape_html(result.motion) + ") from inside " + escape_html(result.asset) +
+    return "<p>The ISBLC paper’s motion (" + escape_html(result.motion) + ") over " + escape_html(result.asset) +
            ", flown by every controller with the real renderer at " + format_number(result.target_fps) +
            " frames/s, 120° of view, " + display_text(result.screen) + ", levels of " + ladder_text(result) +
            " triangles. A view that turns is drawn with 2 or 4 exposures (motion blur), which is what makes speed "
