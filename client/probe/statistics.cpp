@@ -22,8 +22,10 @@ double median(std::vector<double> values) {
 
 Rate rate_of(std::vector<double> per_second) {
     Rate rate{median(per_second), 0.0, per_second.size()};
-    if (!(rate.per_second > 0.0)) return rate;
-    if (per_second.size() < 2) return {rate.per_second, 100.0, per_second.size()};
+    if (per_second.size() < 2 || !(rate.per_second > 0.0)) {
+        rate.uncertainty_percent = 100.0;
+        return rate;
+    }
     for (double& value : per_second) value = std::abs(value - rate.per_second);
     const double deviation = deviation_of_median_deviation * median(std::move(per_second));
     const double error = for_19_of_20 * median_over_mean * deviation / std::sqrt(static_cast<double>(rate.runs));

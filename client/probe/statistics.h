@@ -12,8 +12,8 @@ struct Rate {
     std::size_t runs = 0;
 };
 
-// From runs' rates. The spread is the median absolute deviation, which single disturbed runs do not move. All 0 for no
-// runs; 100 % for a single one, which says nothing of its spread.
+// From runs' rates. The spread is the median absolute deviation, which single disturbed runs do not move. 100 % off
+// for fewer than two runs and for a median of 0, which say nothing.
 Rate rate_of(std::vector<double> per_second);
 
 double median(std::vector<double> values);  // 0 for none

@@ -188,6 +188,36 @@ std::string blur_sentence(const FrameRateResult& result) {
     return out.empty() ? "" : "Motion blur in a fast turn, the finest level: " + out + ".";
 }
 
+// How far frame times lie from the line through those of an asset's finest and coarsest level, for every level between
+// them and every device's screen, as shares.
+std::vector<double> off_the_line(const ReportData& data) {
+    std::vector<double> off;
+    for (const AssetResult& asset : data.assets) {
+        if (asset.ladder.size() < 3) continue;
+        const LadderLevel &fine = asset.ladder.front(), &coarse = asset.ladder.back();
+        const auto triangles = [](const LadderLevel& level) { return static_cast<double>(level.level.triangles); };
+        for (std::size_t i = 1; i + 1 < asset.ladder.size(); ++i)
+            for (std::size_t d = 0; d < asset.ladder[i].drawn.size(); ++d) {
+                const double share =
+                    (triangles(asset.ladder[i]) - triangles(coarse)) / (triangles(fine) - triangles(coarse));
+                const double low = coarse.drawn[d].frame_ms, high = fine.drawn[d].frame_ms;
+                const double measured = asset.ladder[i].drawn[d].frame_ms;
+                if (measured > 0.0) off.push_back(std::abs((low + share * (high - low)) / measured - 1.0));
+            }
+    }
+    return off;
+}
+
+std::string line_sentence(const ReportData& data) {
+    std::vector<double> off = off_the_line(data);
+    if (off.empty()) return "";
+    std::sort(off.begin(), off.end());
+    return " Predicted from a model’s finest and coarsest level alone, the frame time of a level between them is off "
+           "by " +
+           format_number(100.0 * off[off.size() / 2]) + " % in the median over " + format_count(off.size()) +
+           " levels and screens of all models.";
+}
+
 std::string disturbed_sentence(const FrameRateResult& result) {
     double most = 0.0;
     for (const FlightResult& flight : result.flights) most = std::max(most, flight.other_cores.value_or(0.0));
@@ -202,7 +232,7 @@ std::string ladder_text(const FrameRateResult& result) {
     return out;
 }
 
-std::string text_of(const FrameRateResult& result) {
+std::string text_of(const ReportData& data, const FrameRateResult& result) {
     return "<p>The ISBLC paper’s motion (" + escape_html(result.motion) + ") over " + escape_html(result.asset) +
            ", flown by every controller with the real renderer at " + format_number(result.target_fps) +
            " frames/s, 120° of view, " + display_text(result.screen) + ", levels of " + ladder_text(result) +
@@ -212,7 +242,7 @@ std::string text_of(const FrameRateResult& result) {
            "picture’s error is against the finest of these levels at the same moments. The paper reports no control "
            "22 fps at worst, SBLC 30, ISBLC 60 on average, 40 at worst, σ 6.1.</p><p>" +
            ratios_sentence(result) + disturbed_sentence(result) + "</p><p>" + sweep_sentence(result) + " " +
-           blur_sentence(result) + "</p>";
+           blur_sentence(result) + line_sentence(data) + "</p>";
 }
 
 Table scenario_table(const FrameRateResult& result) {
@@ -231,7 +261,7 @@ Section frame_rate_section(const ReportData& data) {
         return section;
     }
     const FrameRateResult& result = *data.frame_rate;
-    section.text_html = text_of(result);
+    section.text_html = text_of(data, result);
     section.plots.push_back(over_time(result, "Frame rate over the motion", "frames/s",
                                       [&](const auto& frame) { return paced_fps(frame, result.target_fps); }));
     section.plots.push_back(over_time(result, "Level over the motion, 0 the finest", "level",

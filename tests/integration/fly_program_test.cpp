@@ -93,7 +93,7 @@ TEST(FlyProgram, WritesARowAndAPictureAFrame) {
     const TeapotServer server(folder.path() / "store");
     const fs::path motion = folder.path() / "motion.csv", out = folder.path() / "flight.csv";
     std::ofstream(motion) << "t_s,x,y,z,yaw_deg,pitch_deg\n0,,,,0,0\n0.2,,,,20,5\n0.4,0,1,5,0,-10\n";
-    const Ended flown = run(LODESTREAM_CLIENT " fly --server " + server.url + " --asset teapot-800 --motion " +
+    const Ended flown = run(LODESTREAM_CLIENT " fly --server " + server.url + " --asset teapot --motion " +
                             motion.string() + " --controller isblc --target-fps 20 --width 64 --height 48 --out " +
                             out.string() + " --frames " + (folder.path() / "frames").string());
     ASSERT_EQ(flown.code, 0) << flown.output;
@@ -119,10 +119,10 @@ TEST(FlyProgram, SaysWhatIsWrongInOneLine) {
     const Ended no_asset = run(common + "--asset kettle --motion builtin:nod");
     EXPECT_EQ(no_asset.code, 1);
     EXPECT_THAT(no_asset.output, HasSubstr("no asset \"kettle\""));
-    const Ended no_motion = run(common + "--asset teapot-800 --motion builtin:dance");
+    const Ended no_motion = run(common + "--asset teapot --motion builtin:dance");
     EXPECT_EQ(no_motion.code, 1);
     EXPECT_THAT(no_motion.output, HasSubstr("no built-in motion \"dance\""));
-    const Ended no_controller = run(common + "--asset teapot-800 --motion builtin:nod --controller best");
+    const Ended no_controller = run(common + "--asset teapot --motion builtin:nod --controller best");
     EXPECT_EQ(no_controller.code, 2);
 }
 

@@ -29,6 +29,8 @@ TEST(Statistics, UncertaintyShrinksWithTheRuns) {
 TEST(Statistics, OneRunSaysNothingOfItsSpreadAndNoRunNothingAtAll) {
     EXPECT_EQ(rate_of({5.0}).uncertainty_percent, 100.0);
     EXPECT_EQ(rate_of({}).per_second, 0.0);
+    EXPECT_EQ(rate_of({}).uncertainty_percent, 100.0);
+    EXPECT_EQ(rate_of({0.0, 0.0, 3.0}).uncertainty_percent, 100.0);
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ TEST_F(ExposuresTest, OfOneAndTheSameMomentAreThatMoment) {
 }
 
 TEST_F(ExposuresTest, ArePicturesMean) {
-    // One unit apart: the sphere covers the picture's middle in the later moment, half of its left side in the earlier.
+    // 1.5 units apart: the sphere covers the middle in the later moment and the left side in the earlier.
     const Image both = picture(shifted(0.0), {shifted(1.5)});
     constexpr int half_light = 188;                 // of white, in sRGB
     EXPECT_NEAR(red(both, 90, 48), 255, 0);         // neither

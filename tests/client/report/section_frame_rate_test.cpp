@@ -42,6 +42,14 @@ TEST(FrameRateSection, SaysWherePredictiveIsBehind) {
     EXPECT_THAT(frame_rate_section(data).text_html, HasSubstr("less often than another on 1 of the 20 motions"));
 }
 
+TEST(FrameRateSection, SaysHowLinearFrameTimesAreOverALadder) {
+    // 6400, 3200 and 1600 triangles take 4 ms each: between the ends nothing is off. One level at 2 ms: by 100 %.
+    ReportData data = testing::report_data();
+    EXPECT_THAT(frame_rate_section(data).text_html, HasSubstr("off by 0 % in the median over 2 levels"));
+    for (DrawnLevel& drawn : data.assets[0].ladder[1].drawn) drawn.frame_ms = 2.0;
+    EXPECT_THAT(frame_rate_section(data).text_html, HasSubstr("off by 100 % in the median over 2 levels"));
+}
+
 TEST(FrameRateSection, SaysWhenTheFlightsWereDisturbed) {
     ReportData data = testing::report_data();
     EXPECT_THAT(frame_rate_section(data).text_html, Not(HasSubstr("Disturbed")));
