@@ -7,11 +7,11 @@ namespace lodestream::control {
 
 namespace {
 
-// The exposures are spread evenly over the time since the frame before.
-std::vector<motion::Pose> poses_of(const motion::Trace& trace, double t_s, double interval_s, std::uint32_t exposures) {
+// The exposures are spread evenly over the time that the shutter is open, the last one at its end.
+std::vector<motion::Pose> poses_of(const motion::Trace& trace, double t_s, double shutter_s, std::uint32_t exposures) {
     std::vector<motion::Pose> poses;
     for (std::uint32_t i = 1; i <= exposures; ++i)
-        poses.push_back(motion::pose_at(trace, t_s - interval_s * (exposures - i) / exposures));
+        poses.push_back(motion::pose_at(trace, t_s - shutter_s * (exposures - i) / exposures));
     return poses;
 }
 
@@ -40,7 +40,8 @@ Result<std::vector<FlownFrame>> fly(const Flight& flight, const motion::Trace& t
         state = std::move(taken.state);
         const Decision& decision = taken.decision;
         const auto drawn =
-            draw({t_s, decision.level, decision.switched, poses_of(trace, t_s, now.interval_s, decision.exposures)});
+            draw({t_s, decision.level, decision.switched,
+                  poses_of(trace, t_s, std::min(now.interval_s, deadline / 1000.0), decision.exposures)});
         if (!drawn) return drawn.error();
         frames.push_back({t_s, drawn->frame_ms, decision.level, flight.ladder[decision.level].triangles,
                           now.speed_deg_s, drawn->error_px, decision.switched, decision.exposures,

@@ -19,8 +19,10 @@ inline constexpr std::size_t max_flight_frames = 1'000'000;
 struct FrameRequest {
     double t_s = 0.0;
     std::uint32_t level = 0;
-    bool switched = false;            // another level than the frame before; false for the first frame
-    std::vector<motion::Pose> poses;  // 1 to max_exposures, the last one at t_s; the frame is their mean
+    bool switched = false;  // another level than the frame before; false for the first frame
+    // 1 to max_exposures; the frame is their mean. The last one is that of t_s, the others lie evenly before it, within
+    // the time since the frame before and the deadline, whichever is shorter.
+    std::vector<motion::Pose> poses;
 };
 
 struct FrameOutcome {

@@ -29,10 +29,14 @@ TEST(Scenery, APoseWithAPositionIsAbsolute) {
     EXPECT_NEAR(length(forward(view) - Vec3d(-1, 0, 0)), 0.0, 1e-12);
 }
 
-TEST(Scenery, PitchStopsAtTheZenith) {
-    const shading::View view = view_of(default_view(spheres(), 45.0), {std::nullopt, 0.0, 90.0});
-    EXPECT_TRUE(shading::validate(view));
-    EXPECT_NEAR(forward(view).y, 1.0, 1e-9);
+TEST(Scenery, PitchStopsStraightUpAndDown) {
+    const shading::View up = view_of(default_view(spheres("terrain"), 45.0), {std::nullopt, 0.0, 90.0});
+    EXPECT_TRUE(shading::validate(up));
+    EXPECT_NEAR(forward(up).y, 1.0, 1e-9);
+    // The default view of a mesh looks down already.
+    const shading::View down = view_of(default_view(spheres(), 45.0), {std::nullopt, 0.0, -90.0});
+    EXPECT_TRUE(shading::validate(down));
+    EXPECT_NEAR(forward(down).y, -1.0, 1e-9);
 }
 
 TEST(Scenery, OfATerrainTheViewerStandsInTheMiddleAboveTheGround) {

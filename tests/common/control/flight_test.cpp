@@ -58,6 +58,16 @@ TEST(Flight, ExposuresAreSpreadOverTheTimeSinceTheFrameBefore) {
         EXPECT_NEAR(requests[10].poses[static_cast<std::size_t>(i)].yaw_deg, 18.5 + 0.5 * i, 1e-9);
 }
 
+TEST(Flight, TheShutterIsNoLongerOpenThanTheDeadline) {
+    const auto frames = fly(flight(Kind::none), turning(1.0, 100.0), [](const FrameRequest& request) {
+        // Four exposures within 20 ms, not within the 100 ms that the frame before took.
+        if (request.poses.size() == 4) EXPECT_NEAR(request.poses[3].yaw_deg - request.poses[0].yaw_deg, 1.5, 1e-9);
+        return Result<FrameOutcome>({100.0, 0.0, 0.0});
+    });
+    ASSERT_TRUE(frames);
+    EXPECT_EQ(frames->back().exposures, 4u);
+}
+
 TEST(Flight, EndsWithTheErrorOfWhoDraws) {
     const auto frames = fly(flight(Kind::none), turning(1.0, 0.0),
                             [](const FrameRequest&) { return Result<FrameOutcome>(fail(ErrorCode::io, "no paper")); });
