@@ -4,6 +4,8 @@
 #include <functional>
 #include <string>
 
+#include "client/fly_command.h"
+#include "client/probe/probe.h"
 #include "client/render/image.h"
 #include "client/report/report.h"
 #include "client/sdk/client.h"
@@ -16,6 +18,13 @@ using namespace lodestream;
 constexpr int exit_failed = 1;
 constexpr int exit_usage = 2;
 
+Status print_probe(bool json) {
+    const auto report = probe::measure();
+    if (!report) return report.error();
+    std::fputs(json ? (probe::to_json(*report) + "\n").c_str() : probe::to_text(*report).c_str(), stdout);
+    return Nothing{};
+}
+
 int run(int argc, char** argv) {
     CLI::App app{"Lodestream client: shows and measures what a device gets of a 3D asset."};
     app.set_version_flag("--version", "lodestream-client " LODESTREAM_VERSION);
@@ -26,6 +35,8 @@ int run(int argc, char** argv) {
         "pda.png\n"
         "  lodestream-client view --server http://127.0.0.1:8080 --asset teapot --device deploy/devices/phone.json \\\n"
         "      --out flat.png --width 320 --height 240 --shading flat --json\n"
+        "  lodestream-client probe --json > this-device.json\n"
+        "  lodestream-client fly --server http://127.0.0.1:8080 --asset teapot --motion builtin:mix --out flight.csv\n"
         "  lodestream-client report --out report --quick\n"
         "Run 'lodestream-client COMMAND --help' for one command's options.");
     std::function<Status()> command;
@@ -54,6 +65,40 @@ int run(int argc, char** argv) {
         "Example:\n  lodestream-client view --server http://127.0.0.1:8080 --asset teapot \\\n"
         "      --device deploy/devices/pda.json --out pda.png");
     view_app->callback([&] { command = [&] { return client::view(view); }; });
+
+    bool probe_json = false;
+    CLI::App* probe_app = app.add_subcommand("probe", "Measure this device, in at most three seconds");
+    probe_app->add_flag("--json", probe_json, "Print a device file, as view --device and a plan take it");
+    probe_app->footer("Example:\n  lodestream-client probe --json > this-device.json");
+    probe_app->callback([&] { command = [&] { return print_probe(probe_json); }; });
+
+    client::FlyArguments fly;
+    CLI::App* fly_app = app.add_subcommand("fly", "Fly a motion over an asset, its level chosen frame by frame");
+    fly_app->add_option("--server", fly.server, "http://HOST:PORT")->required()->check(is_server);
+    fly_app->add_option("--asset", fly.asset, "Name or id of the asset")->required();
+    fly_app
+        ->add_option("--motion", fly.motion,
+                     "FILE.csv with rows t_s,x,y,z,yaw_deg,pitch_deg, or builtin: and one of still, start, stop, "
+                     "reversal, nod, circle, mix")
+        ->required();
+    fly_app->add_option("--controller", fly.controller, "Who chooses the level")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"none", "sblc", "isblc", "acceleration", "reactive", "predictive"}));
+    fly_app->add_option("--target-fps", fly.target_fps, "Frames a second to hold")
+        ->capture_default_str()
+        ->check(CLI::Range(control::min_target_fps, control::max_target_fps));
+    fly_app->add_option("--out", fly.out, "The flight, FILE.csv")->required();
+    fly_app->add_option("--frames", fly.frames, "Folder for a PNG of every frame");
+    fly_app->add_option("--width", fly.width, "px")->capture_default_str()->check(sides);
+    fly_app->add_option("--height", fly.height, "px")->capture_default_str()->check(sides);
+    fly_app->add_option("--fov", fly.fov_y_deg, "Vertical field of view, degrees")
+        ->capture_default_str()
+        ->check(CLI::Range(shading::min_fov_deg, shading::max_fov_deg));
+    fly_app->add_flag("!--no-blur", fly.blur, "No motion blur: one exposure a frame however fast the view turns");
+    fly_app->footer(
+        "Example:\n  lodestream-client fly --server http://127.0.0.1:8080 --asset teapot --motion builtin:reversal \\\n"
+        "      --controller isblc --target-fps 30 --out flight.csv");
+    fly_app->callback([&] { command = [&] { return client::fly(fly); }; });
 
     report::ReportOptions report;
     for (int i = 0; i < argc; ++i) report.command_line += (i > 0 ? " " : "") + std::string(argv[i]);

@@ -1,6 +1,6 @@
 #include "client/render/renderer.h"
 
-#include <GLES3/gl3.h>
+#include <GLES3/gl31.h>
 
 #include <algorithm>
 #include <array>
@@ -250,6 +250,7 @@ struct Renderer::Impl {
     Placement placement;
     Vec3d origin{0.0};
     UploadStatistics uploaded;
+    std::vector<Camera> exposures;  // of the frame at hand, the drawn view last; empty where it has no earlier moments
 
     Impl() = default;
     Impl(const Impl&) = delete;
@@ -273,6 +274,8 @@ struct Renderer::Impl {
     void bind_texture(GLenum unit, const mesh::TextureReference& reference) const;
     void set_material(const Program& program, const mesh::Material& material) const;
     void draw_batch(const Batch& batch) const;
+    Status expose(const shading::View& view, const DrawOptions& options);
+    void draw_exposures(const Program& program, const Batch& batch) const;
     void sort_blended(const Camera& camera);
     void draw_frame(const Camera& camera, const DrawOptions& options);
     Image read_back(const DrawOptions& options) const;
@@ -439,6 +442,41 @@ void Renderer::Impl::draw_batch(const Batch& batch) const {
         glDrawElements(GL_TRIANGLES, batch.corners, GL_UNSIGNED_INT, nullptr);
 }
 
+// The cameras of every exposure, where there are several.
+Status Renderer::Impl::expose(const shading::View& view, const DrawOptions& options) {
+    exposures.clear();
+    if (options.earlier.empty()) return Nothing{};
+    if (options.earlier.size() >= options.samples) return invalid_input("more earlier moments than samples - 1");
+    GLint major = 0, minor = 0;
+    glGetIntegerv(GL_MAJOR_VERSION, &major);
+    glGetIntegerv(GL_MINOR_VERSION, &minor);
+    if (major * 10 + minor < 31 || options.earlier.size() >= target.samples)
+        return fail(ErrorCode::unsupported, "the graphics driver cannot give every exposure samples of its own");
+    const double aspect = static_cast<double>(options.width) / options.height;
+    for (const shading::View& moment : options.earlier) {
+        if (auto sound = shading::validate(moment); !sound) return sound;
+        exposures.push_back(make_camera(moment, origin, placement, aspect));
+    }
+    exposures.push_back(make_camera(view, origin, placement, aspect));
+    return Nothing{};
+}
+
+// Every exposure writes to its own samples alone, depth included; resolving them makes the mean.
+void Renderer::Impl::draw_exposures(const Program& program, const Batch& batch) const {
+    if (exposures.empty()) return draw_batch(batch);
+    glEnable(GL_SAMPLE_MASK);
+    for (std::size_t i = 0; i < exposures.size(); ++i) {
+        GLbitfield samples = 0;
+        for (std::size_t s = i; s < target.samples; s += exposures.size()) samples |= 1u << s;
+        glSampleMaski(0, samples);
+        const Camera& camera = exposures[i];
+        glUniformMatrix4fv(program.clip_from_scene, 1, GL_FALSE, &camera.clip_from_scene[0][0]);
+        glUniform3f(program.eye, camera.eye.x, camera.eye.y, camera.eye.z);
+        if (camera.sees_scene) draw_batch(batch);
+    }
+    glDisable(GL_SAMPLE_MASK);
+}
+
 // Blended primitives from back to front by their centres; triangles inside one are not sorted.
 void Renderer::Impl::sort_blended(const Camera& camera) {
     const auto first = std::find_if(batches.begin(), batches.end(), [&](const Batch& b) {
@@ -468,7 +506,7 @@ void Renderer::Impl::draw_frame(const Camera& camera, const DrawOptions& options
             const Program& program = batch.flat ? flat : gouraud;
             glUseProgram(program.id);
             set_material(program, materials[batch.material]);
-            draw_batch(batch);
+            draw_exposures(program, batch);
         }
         glBindVertexArray(0);
     }
@@ -521,6 +559,7 @@ Result<Frame> Renderer::draw(const shading::View& view, const DrawOptions& optio
     const double aspect = static_cast<double>(options.width) / options.height;
     const Camera camera = make_camera(view, impl_->origin, impl_->placement, aspect);
     impl_->sort_blended(camera);
+    if (auto exposed = impl_->expose(view, options); !exposed) return exposed.error();
     gl_failed();
     if (options.frames > 1) {  // the first frame also pays for what the driver compiles and moves
         impl_->draw_frame(camera, options);

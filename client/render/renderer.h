@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "client/render/image.h"
 #include "common/base/result.h"
@@ -37,6 +38,9 @@ struct DrawOptions {
     std::uint32_t samples = 4;   // a pixel; 1 turns anti-aliasing off, which is right where images are compared
     std::uint32_t frames = 1;    // frame_ms is the median over that many, >= 1
     Vec3f background{1.0f};      // linear RGB
+    // Moments before the drawn view: the picture is the mean of all of them and the view. Each costs a drawing of the
+    // scene, and takes its share of the samples: at most samples - 1, and OpenGL ES 3.1 is needed.
+    std::vector<shading::View> earlier{};
     shading::Phong phong{};
 };
 
@@ -76,7 +80,8 @@ class Renderer {
     Result<UploadStatistics> upload(const codec::Decoded& content);
 
     // Draws what was uploaded; without an upload, or with an empty one, the background alone.
-    // Errors: invalid_input (view, sizes), limit_exceeded (larger than the driver or the named limits allow).
+    // Errors: invalid_input (view, sizes, more earlier moments than samples - 1), limit_exceeded (larger than the driver
+    // or the named limits allow), unsupported (earlier moments, and the driver has no sample masks or fewer samples).
     Result<Frame> draw(const shading::View& view, const DrawOptions& options);
 
   private:

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "client/report/frame_rate.h"
 #include "common/budget/budget.h"
 #include "proto/messages.h"
 
@@ -102,6 +103,7 @@ struct AssetResult {
 struct ReportData {
     Provenance provenance;
     std::vector<AssetResult> assets;
+    std::optional<FrameRateResult> frame_rate;
     std::vector<std::string> problems;  // what is missing and why, one line each
 };
 

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "client/render/image.h"
+#include "client/report/measure_frame_rate.h"
 #include "client/report/pictures.h"
 #include "client/report/text.h"
 
@@ -113,6 +114,7 @@ class Gatherer {
     Result<DeviceResult> measure_device(AssetResult& asset, std::size_t device, const Reference& reference);
     Result<LadderLevel> measure_level(const AssetResult& asset, std::size_t index, const Reference& reference);
     Status measure_split(AssetResult& asset, const Reference& reference);
+    void add_frame_rate();
     Result<ModeResult> measure_content(const proto::PlanResponse& plan, std::size_t device, const Reference& reference,
                                        render::Image* drawn = nullptr);
     Status save_pictures(AssetResult& asset, std::size_t device, const render::Image& level, const render::Image& full);
@@ -421,6 +423,15 @@ Result<AssetResult> Gatherer::measure_asset(const proto::Asset& listed) {
     return result;
 }
 
+void Gatherer::add_frame_rate() {
+    const auto progress = [&](const std::string& step) { return static_cast<bool>(begin(step)); };
+    Result<FrameRateResult> result = measure_frame_rate(client_, renderer_, {options_.quick, progress});
+    if (result)
+        data_.frame_rate = *std::move(result);
+    else
+        problem("frame rate", result.error());
+}
+
 std::string Gatherer::unique_stem(const std::string& name) {
     const std::string stem = file_stem(name);
     std::string unique = stem;
@@ -452,6 +463,8 @@ Result<ReportData> Gatherer::run() {
         return fail(ErrorCode::not_found,
                     "nothing could be measured: " +
                         (data_.problems.empty() ? "the server has no assets" : data_.problems.front()));
+    add_frame_rate();
+    if (stopped_) return fail(ErrorCode::unavailable, "interrupted");
     return std::move(data_);
 }
 

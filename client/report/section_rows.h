@@ -85,5 +85,6 @@ Section simplification_section(const ReportData& data);
 Section codec_section(const ReportData& data);
 Section shading_section(const ReportData& data);
 Section end_to_end_section(const ReportData& data);
+Section frame_rate_section(const ReportData& data);
 
 }  // namespace lodestream::report

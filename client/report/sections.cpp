@@ -32,8 +32,8 @@ Table overview_table(const ReportData& data) {
 }
 
 std::vector<Section> sections(const ReportData& data) {
-    return {budget_section(data), simplification_section(data), codec_section(data), shading_section(data),
-            end_to_end_section(data)};
+    return {budget_section(data),  simplification_section(data), codec_section(data),
+            shading_section(data), end_to_end_section(data),     frame_rate_section(data)};
 }
 
 }  // namespace lodestream::report

@@ -67,11 +67,40 @@ inline AssetResult asset_result(const std::string& name) {
     return out;
 }
 
+inline FlightResult flight_result(const std::string& controller, double within_deadline) {
+    FlightResult out;
+    out.controller = controller;
+    out.summary = {2, 50.0, 40.0, 5.0, within_deadline, 3, 1.5, 0.5, std::nullopt};
+    out.frames = {{0.0, 10.0, 0, 1000, 0.0, 0.0, false, 1, std::nullopt},
+                  {0.02, 25.0, 1, 250, 90.0, 2.0, true, 2, std::nullopt}};
+    out.image_error_percent = 2.5;
+    out.other_cores = 0.0;
+    return out;
+}
+
+inline FrameRateResult frame_rate_result() {
+    FrameRateResult out;
+    out.asset = "terrain";
+    out.motion = "there and back";
+    out.target_fps = 50.0;
+    out.screen = {640, 480};
+    out.ladder = {{1000, 0.0}, {250, 2.0}, {60, 5.0}};
+    for (const char* controller : {"none", "sblc", "isblc", "acceleration", "reactive", "predictive"}) {
+        out.flights.push_back(flight_result(controller, 0.5));
+        out.sweep.push_back({"nod", controller, 0.9, 0.8, 1.0, 2.0, 0.5});
+        out.distributions.push_back({controller, {0.8, 0.9, 1.0}});
+    }
+    out.blur = {{1, 10.0, 3.0}, {4, 40.0, 1.0}};
+    out.devices = 5;
+    return out;
+}
+
 inline ReportData report_data() {
     ReportData data;
     data.provenance = {
         "lodestream-client report --out x", "0123abcd", "2024-01-01T00:00:00Z", "A CPU", 2, "A renderer", true, false};
     data.assets = {asset_result("teapot")};
+    data.frame_rate = frame_rate_result();
     return data;
 }
 

@@ -1,0 +1,155 @@
+#include "client/fly/pilot.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <optional>
+
+namespace lodestream::fly {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int timed_runs = 5;
+constexpr double smallest_ms = 1e-3;
+constexpr std::uint32_t small_screen_divisor = 4;  // of each side, to tell pixels' cost from that of triangles
+
+double ms_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+render::DrawOptions draw_options(const Screen& screen) {
+    render::DrawOptions options;
+    options.width = screen.width;
+    options.height = screen.height;
+    options.samples = blur_samples;
+    return options;
+}
+
+Result<render::Frame> draw(render::Renderer& renderer, const shading::View& home, const Screen& screen,
+                           const std::vector<motion::Pose>& poses) {
+    render::DrawOptions options = draw_options(screen);
+    for (std::size_t i = 0; i + 1 < poses.size(); ++i) options.earlier.push_back(view_of(home, poses[i]));
+    return renderer.draw(view_of(home, poses.back()), options);
+}
+
+// Draws what the loop asks for and keeps the level that is on the GPU.
+class Pilot {
+  public:
+    Pilot(render::Renderer& renderer, const Scenery& scenery, const PilotOptions& options)
+        : renderer_(renderer),
+          scenery_(scenery),
+          options_(options),
+          home_(default_view(scenery, options.screen.fov_y_deg)) {}
+
+    Result<control::FrameOutcome> draw_frame(const control::FrameRequest& request) {
+        double upload_ms = 0.0;
+        if (level_ != request.level) {
+            const auto start = Clock::now();
+            if (auto put = renderer_.upload(scenery_.levels[request.level].content); !put) return put.error();
+            if (level_) upload_ms = ms_since(start);  // the first one is there before the flight begins
+            level_ = request.level;
+        }
+        auto frame = draw(renderer_, home_, options_.screen, request.poses);
+        if (!frame) return frame.error();
+        if (options_.on_frame)
+            if (auto taken = options_.on_frame(frame->image, request); !taken) return taken.error();
+        const shading::View view = view_of(home_, request.poses.back());
+        const double pixels = shading::pixels_per_unit(view, scenery_.bounds, display_of(options_.screen));
+        return control::FrameOutcome{upload_ms + frame->frame_ms, 0.0,
+                                     scenery_.levels[request.level].max_error * pixels};
+    }
+
+  private:
+    render::Renderer& renderer_;
+    const Scenery& scenery_;
+    const PilotOptions& options_;
+    shading::View home_;
+    std::optional<std::uint32_t> level_;
+};
+
+double positive(double ms) {
+    return std::max(ms, smallest_ms);
+}
+
+}  // namespace
+
+budget::Display display_of(const Screen& screen) {
+    return {screen.width, screen.height};
+}
+
+// The first frame wakes the driver.
+Result<double> time_frame(render::Renderer& renderer, const Scenery& scenery, const std::vector<motion::Pose>& poses,
+                          const Screen& screen) {
+    const shading::View home = default_view(scenery, screen.fov_y_deg);
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i <= timed_runs; ++i) {
+        const auto frame = draw(renderer, home, screen, poses);
+        if (!frame) return frame.error();
+        if (i > 0) least = std::min(least, frame->frame_ms);
+    }
+    return least;
+}
+
+Result<LevelTimes> time_level(render::Renderer& renderer, const Scenery& scenery, std::size_t level,
+                              const Screen& screen) {
+    LevelTimes times{0.0, std::numeric_limits<double>::infinity()};
+    for (int i = 0; i < timed_runs; ++i) {
+        const auto start = Clock::now();
+        if (auto put = renderer.upload(scenery.levels[level].content); !put) return put.error();
+        times.upload_ms = std::min(times.upload_ms, ms_since(start));
+    }
+    const auto draw_ms = time_frame(renderer, scenery, {motion::Pose{}}, screen);
+    if (!draw_ms) return draw_ms.error();
+    times.draw_ms = *draw_ms;
+    return times;
+}
+
+Result<control::FrameCosts> measure_costs(render::Renderer& renderer, const Scenery& scenery, const Screen& screen) {
+    const auto finest = time_level(renderer, scenery, 0, screen);
+    if (!finest) return finest.error();
+    const std::size_t last = scenery.levels.size() - 1;
+    const auto coarsest = time_level(renderer, scenery, last, screen);
+    if (!coarsest) return coarsest.error();
+    Screen small = screen;
+    small.width = std::max(1u, screen.width / small_screen_divisor);
+    small.height = std::max(1u, screen.height / small_screen_divisor);
+    const auto small_ms = time_frame(renderer, scenery, {motion::Pose{}}, small);
+    if (!small_ms) return small_ms.error();
+
+    const double millions = 1e-6 * static_cast<double>(scenery.levels[0].triangles);
+    const double more_millions = millions - 1e-6 * static_cast<double>(scenery.levels[last].triangles);
+    const double megapixels = 1e-6 * screen.width * screen.height;
+    const double fewer_megapixels = megapixels - 1e-6 * small.width * small.height;
+    control::FrameCosts costs;
+    costs.per_million_triangles_ms = more_millions > 0.0
+                                         ? positive((finest->draw_ms - coarsest->draw_ms) / more_millions)
+                                         : positive(finest->draw_ms / millions);
+    costs.per_million_pixels_ms =
+        positive(fewer_megapixels > 0.0 ? (coarsest->draw_ms - *small_ms) / fewer_megapixels : 0.0);
+    costs.per_million_uploaded_ms = positive(finest->upload_ms / millions);
+    costs.fixed_ms = positive(finest->draw_ms - millions * costs.per_million_triangles_ms -
+                              megapixels * costs.per_million_pixels_ms);
+    return costs;
+}
+
+Result<std::vector<control::FlownFrame>> fly(render::Renderer& renderer, const Scenery& scenery,
+                                             const motion::Trace& trace, const PilotOptions& options) {
+    const std::vector<control::Level> ladder =
+        ladder_of(scenery, default_view(scenery, options.screen.fov_y_deg), display_of(options.screen));
+    control::Flight flight{options.kind, ladder, options.control,
+                           static_cast<double>(options.screen.width) * options.screen.height};
+    Pilot pilot(renderer, scenery, options);
+    return control::fly(flight, trace, [&](const control::FrameRequest& request) { return pilot.draw_frame(request); });
+}
+
+Result<render::Image> picture(render::Renderer& renderer, const Scenery& scenery, std::size_t level,
+                              const std::vector<motion::Pose>& poses, const Screen& screen) {
+    if (auto put = renderer.upload(scenery.levels[level].content); !put) return put.error();
+    auto frame = draw(renderer, default_view(scenery, screen.fov_y_deg), screen, poses);
+    if (!frame) return frame.error();
+    return std::move(frame->image);
+}
+
+}  // namespace lodestream::fly

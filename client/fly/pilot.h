@@ -1,0 +1,58 @@
+// Flies a motion over a scenery with the real renderer: one level is on the GPU, another one is uploaded when the
+// controller asks for it, and that takes its time within the frame.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "client/fly/scenery.h"
+#include "client/render/renderer.h"
+#include "common/base/result.h"
+#include "common/control/flight.h"
+#include "common/motion/motion.h"
+
+namespace lodestream::fly {
+
+inline constexpr std::uint32_t blur_samples = control::max_exposures;  // a pixel, shared by a frame's exposures
+
+struct Screen {
+    std::uint32_t width = 800;   // px
+    std::uint32_t height = 600;  // px
+    double fov_y_deg = 45.0;
+};
+
+budget::Display display_of(const Screen& screen);
+
+struct PilotOptions {
+    control::Kind kind = control::Kind::predictive;
+    control::Options control;
+    Screen screen;
+    // Called with every frame, outside its time; a failure ends the flight. Empty: none.
+    std::function<Status(const render::Image&, const control::FrameRequest&)> on_frame;
+};
+
+// What the renderer needs for this scenery on this screen: a few frames and uploads each of the finest and coarsest
+// level, the first of each left out. The predictive controller's first guess. Errors: those of the renderer.
+Result<control::FrameCosts> measure_costs(render::Renderer& renderer, const Scenery& scenery, const Screen& screen);
+
+// Milliseconds of one exposure of a level and of putting it on the GPU, the least of a few.
+struct LevelTimes {
+    double draw_ms = 0.0;
+    double upload_ms = 0.0;
+};
+Result<LevelTimes> time_level(render::Renderer& renderer, const Scenery& scenery, std::size_t level,
+                              const Screen& screen);
+
+// Milliseconds of a frame of these exposures of the level that is on the GPU, the least of a few.
+Result<double> time_frame(render::Renderer& renderer, const Scenery& scenery, const std::vector<motion::Pose>& poses,
+                          const Screen& screen);
+
+Result<std::vector<control::FlownFrame>> fly(render::Renderer& renderer, const Scenery& scenery,
+                                             const motion::Trace& trace, const PilotOptions& options);
+
+// One frame as a flight draws it, of any level, which is uploaded first.
+Result<render::Image> picture(render::Renderer& renderer, const Scenery& scenery, std::size_t level,
+                              const std::vector<motion::Pose>& poses, const Screen& screen);
+
+}  // namespace lodestream::fly

@@ -1,0 +1,102 @@
+#include "client/fly/scenery.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/render/renderer.h"
+
+namespace lodestream::fly {
+
+namespace {
+
+constexpr double eye_over_terrain = 0.02;
+
+Result<proto::Asset> find_asset(sdk::Client& client, const std::string& id_or_name) {
+    const auto assets = client.assets();
+    if (!assets) return assets.error();
+    const auto found = std::find_if(assets->begin(), assets->end(), [&](const proto::Asset& asset) {
+        return asset.id == id_or_name || asset.name == id_or_name;
+    });
+    if (found == assets->end()) return fail(ErrorCode::not_found, "no asset \"" + id_or_name + "\" on the server");
+    auto asset = client.asset(found->id);
+    if (asset && asset->levels.empty())
+        return fail(ErrorCode::unavailable,
+                    "asset \"" + id_or_name + "\" has no levels: it is " + proto::status_name(asset->status));
+    return asset;
+}
+
+double degrees(double angle) {
+    return angle * 180.0 / pi;
+}
+
+motion::Pose pose_of(const shading::View& view) {
+    const Vec3d forward = normalize(view.target - view.eye);
+    return {std::nullopt, degrees(std::atan2(-forward.x, -forward.z)),
+            degrees(std::asin(std::clamp(forward.y, -1.0, 1.0)))};
+}
+
+}  // namespace
+
+Result<Scenery> fetch_scenery(sdk::Client& client, const std::string& id_or_name, std::uint64_t max_triangles) {
+    const auto asset = find_asset(client, id_or_name);
+    if (!asset) return asset.error();
+    Scenery scenery;
+    scenery.kind = asset->kind;
+    double max_error = 0.0;
+    for (const proto::Level& level : asset->levels) {
+        if (scenery.levels.size() == control::max_levels) break;
+        if (!scenery.levels.empty() && level.triangles >= scenery.levels.back().triangles) continue;
+        if (level.triangles > max_triangles && &level != &asset->levels.back()) continue;
+        const auto bytes = client.fetch(level.url, level.bytes);
+        if (!bytes) return bytes.error();
+        auto content = codec::decode_level(*bytes);
+        if (!content) return content.error();
+        max_error = std::max(max_error, level.max_error);
+        scenery.levels.push_back({*std::move(content), level.triangles, max_error});
+    }
+    scenery.bounds = render::world_bounds(scenery.levels.front().content);
+    return scenery;
+}
+
+Scenery chosen(const Scenery& scenery, const std::vector<std::size_t>& indices) {
+    Scenery out{{}, scenery.bounds, scenery.kind};
+    for (const std::size_t index : indices) out.levels.push_back(scenery.levels[index]);
+    return out;
+}
+
+std::vector<control::Level> ladder_of(const Scenery& scenery, const shading::View& view,
+                                      const budget::Display& display) {
+    const double pixels = shading::pixels_per_unit(view, scenery.bounds, display);
+    std::vector<control::Level> ladder;
+    for (const SceneryLevel& level : scenery.levels) ladder.push_back({level.triangles, level.max_error * pixels});
+    return ladder;
+}
+
+shading::View default_view(const Scenery& scenery, double fov_y_deg) {
+    const Box& bounds = scenery.bounds;
+    shading::View view = shading::framing_view(bounds);
+    if (scenery.kind == "terrain" && !bounds.empty()) {
+        const double width = std::max(bounds.extent().x, bounds.extent().z);
+        view.eye = {bounds.center().x, bounds.max.y + eye_over_terrain * width, bounds.center().z};
+        view.target = view.eye + Vec3d{0, 0, -width};
+    }
+    view.fov_y_deg = fov_y_deg;
+    return view;
+}
+
+shading::View view_of(const shading::View& default_view, const motion::Pose& pose) {
+    shading::View view = default_view;
+    motion::Pose seen = pose;
+    if (pose.position) {
+        view.eye = *pose.position;
+    } else {
+        const motion::Pose home = pose_of(default_view);
+        seen.yaw_deg += home.yaw_deg;
+        seen.pitch_deg = std::clamp(seen.pitch_deg + home.pitch_deg, -motion::max_pitch_deg, motion::max_pitch_deg);
+    }
+    // As far as the default view's target, so that it stays apart from the eye however large the coordinates are.
+    view.target = view.eye + motion::direction(seen) * length(default_view.target - default_view.eye);
+    return view;
+}
+
+}  // namespace lodestream::fly

@@ -1,0 +1,123 @@
+#include "client/fly_command.h"
+
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+
+#include "client/fly/pilot.h"
+#include "client/render/gl_context.h"
+#include "client/render/image.h"
+
+namespace lodestream::client {
+namespace {
+
+constexpr std::string_view built_in_prefix = "builtin:";
+constexpr std::uintmax_t max_motion_bytes = 256u << 20;
+
+Result<motion::Trace> read_motion(const std::string& motion) {
+    if (motion.starts_with(built_in_prefix)) {
+        const auto kind = motion::parse_kind(std::string_view(motion).substr(built_in_prefix.size()));
+        if (!kind) return kind.error();
+        return motion::built_in({*kind});
+    }
+    std::error_code error;
+    const auto size = std::filesystem::file_size(motion, error);
+    if (error) return fail(ErrorCode::io, motion + ": " + error.message());
+    if (size > max_motion_bytes) return fail(ErrorCode::limit_exceeded, motion + ": too large for a motion");
+    std::ifstream file(motion, std::ios::binary);
+    const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    if (file.bad()) return fail(ErrorCode::io, motion + ": cannot be read");
+    auto trace = motion::parse_csv(text);
+    if (!trace) return fail(trace.error().code, motion + ": " + trace.error().message);
+    return trace;
+}
+
+Status write_text(const std::filesystem::path& path, const std::string& text) {
+    std::ofstream file(path, std::ios::binary | std::ios::trunc);
+    file << text << std::flush;
+    if (!file) return fail(ErrorCode::io, "cannot write " + path.string());
+    return Nothing{};
+}
+
+Status make_folder(const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) return fail(ErrorCode::io, "cannot make the folder " + folder.string() + ": " + error.message());
+    return Nothing{};
+}
+
+// frames/000000.png and so on.
+auto png_writer(const std::filesystem::path& folder) {
+    return [folder, next = 0](const render::Image& image, const control::FrameRequest&) mutable {
+        char name[32];
+        std::snprintf(name, sizeof name, "%06d.png", next++);
+        return render::write_png(folder / name, image);
+    };
+}
+
+Result<std::vector<control::FlownFrame>> fly_scenery(render::Renderer& renderer, const fly::Scenery& scenery,
+                                                     const motion::Trace& trace, fly::PilotOptions& options) {
+    const auto costs = fly::measure_costs(renderer, scenery, options.screen);
+    if (!costs) return costs.error();
+    options.control.predictive.first_guess = *costs;
+    auto frames = fly::fly(renderer, scenery, trace, options);
+    if (frames || frames.error().code != ErrorCode::unsupported || !options.control.blur.enabled) return frames;
+    std::fprintf(stderr, "lodestream-client: no motion blur: %s\n", frames.error().message.c_str());
+    options.control.blur.enabled = false;
+    return fly::fly(renderer, scenery, trace, options);
+}
+
+void print_line(const FlyArguments& arguments, const control::FlightSummary& flown) {
+    std::printf(
+        "%s, %s: %zu frames, %.1f fps on average, %.1f worst, deviation %.1f, %.1f %% within %.1f ms, %u switches, "
+        "error %.2f px → %s\n",
+        arguments.asset.c_str(), arguments.controller.c_str(), flown.frames, flown.average_fps, flown.worst_fps,
+        flown.deviation_fps, 100.0 * flown.within_deadline, 1000.0 / arguments.target_fps, flown.switches,
+        flown.mean_error_px, arguments.out.string().c_str());
+}
+
+}  // namespace
+
+std::string to_csv(const std::vector<control::FlownFrame>& frames) {
+    std::string out = "t_s,frame_ms,level,triangles,speed_deg_s,error_px,switched\n";
+    for (const control::FlownFrame& frame : frames) {
+        char row[192];
+        std::snprintf(row, sizeof row, "%.6f,%.4f,%u,%llu,%.4f,%.4f,%d\n", frame.t_s, frame.frame_ms, frame.level,
+                      static_cast<unsigned long long>(frame.triangles), frame.speed_deg_s, frame.error_px,
+                      frame.switched ? 1 : 0);
+        out += row;
+    }
+    return out;
+}
+
+Status fly(const FlyArguments& arguments) {
+    const auto kind = control::parse_kind(arguments.controller);
+    if (!kind) return kind.error();
+    const auto trace = read_motion(arguments.motion);
+    if (!trace) return trace.error();
+    auto client = sdk::Client::open(arguments.server);
+    if (!client) return client.error();
+    const auto scenery = fly::fetch_scenery(*client, arguments.asset);
+    if (!scenery) return scenery.error();
+    auto context = render::create_headless_context();
+    if (!context) return context.error();
+    auto renderer = render::Renderer::create();
+    if (!renderer) return renderer.error();
+
+    fly::PilotOptions options;
+    options.kind = *kind;
+    options.control.target_fps = arguments.target_fps;
+    options.control.blur.enabled = arguments.blur;
+    options.screen = {arguments.width, arguments.height, arguments.fov_y_deg};
+    if (arguments.frames) {
+        if (auto made = make_folder(*arguments.frames); !made) return made;
+        options.on_frame = png_writer(*arguments.frames);
+    }
+    const auto frames = fly_scenery(*renderer, *scenery, *trace, options);
+    if (!frames) return frames.error();
+    if (auto written = write_text(arguments.out, to_csv(*frames)); !written) return written;
+    print_line(arguments, control::summarize(*frames, options.control));
+    return Nothing{};
+}
+
+}  // namespace lodestream::client

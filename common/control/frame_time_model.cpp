@@ -1,0 +1,126 @@
+#include "common/control/frame_time_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lodestream::control {
+
+namespace {
+
+using Vector = FrameTimeModel::Vector;
+constexpr std::size_t size = FrameTimeModel::size;
+
+constexpr double first_deviation = 0.5;    // of a cost from its first guess, as a share
+constexpr double largest_deviation = 1.0;  // however long a cost was not seen
+constexpr double common_drift = 0.02;      // of all costs together, a frame
+constexpr double single_drift = 0.004;     // of one cost, a frame
+constexpr double measuring_noise = 0.05;   // of a frame's time
+constexpr double outlier_deviations = 3.0;
+constexpr double least_share = 0.01, most_share = 1000.0;
+constexpr double level_gain = 0.04;  // of a level's own correction, a frame
+constexpr double least_level_factor = 0.5, most_level_factor = 2.0;
+constexpr double first_spread = 0.04;
+constexpr double spread_gain = 0.05;
+constexpr double deviations_to_99_percent =
+    2.9;  // of the mean absolute deviation, one-sided, for a normal distribution
+constexpr double least_safety = 1.03, most_safety = 1.6;
+constexpr double least_ms = 1e-6;
+
+double usable(double value, double otherwise) {
+    return std::isfinite(value) && value > 0.0 ? std::min(value, 1e9) : otherwise;
+}
+
+// The work in units of the first guess: shares times these are milliseconds.
+Vector features(const FrameTimeModel& model, const Work& work) {
+    const Vector amounts{1.0, work.triangles * work.exposures * 1e-6, work.pixels * work.exposures * 1e-6,
+                         work.uploaded_triangles * 1e-6, work.background_load};
+    Vector out{};
+    for (std::size_t i = 0; i < size; ++i) out[i] = amounts[i] * model.first_guess_ms[i];
+    return out;
+}
+
+double product(const Vector& a, const Vector& b) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < size; ++i) sum += a[i] * b[i];
+    return sum;
+}
+
+void add_drift(FrameTimeModel& model) {
+    for (std::size_t i = 0; i < size; ++i)
+        for (std::size_t j = 0; j < size; ++j)
+            model.covariance[i][j] += common_drift * common_drift * model.share[i] * model.share[j];
+    for (std::size_t i = 0; i < size; ++i)
+        model.covariance[i][i] += single_drift * single_drift * model.share[i] * model.share[i];
+}
+
+// What a cost may be off never exceeds largest_deviation of it; otherwise a cost that is not seen for long, such as
+// that of level changes, would take the blame for anything.
+void bound_covariance(FrameTimeModel& model) {
+    Vector scale{};
+    for (std::size_t i = 0; i < size; ++i) {
+        const double most = largest_deviation * std::max(model.share[i], first_deviation);
+        scale[i] = std::min(1.0, most / std::sqrt(std::max(model.covariance[i][i], 1e-30)));
+    }
+    for (std::size_t i = 0; i < size; ++i)
+        for (std::size_t j = 0; j < size; ++j) model.covariance[i][j] *= scale[i] * scale[j];
+}
+
+// One step of the Kalman filter; returns the shares' prediction from before it.
+void correct(FrameTimeModel& model, const Vector& x, double measured_ms) {
+    Vector gain{};
+    for (std::size_t i = 0; i < size; ++i) gain[i] = product(model.covariance[i], x);
+    const double predicted_ms = product(model.share, x);
+    const double noise_ms = measuring_noise * std::max(predicted_ms, least_ms);
+    const double variance = product(gain, x) + noise_ms * noise_ms;
+    const double most = outlier_deviations * std::sqrt(variance);
+    const double surprise_ms = std::clamp(measured_ms - predicted_ms, -most, most);
+    for (std::size_t i = 0; i < size; ++i) {
+        model.share[i] = std::clamp(model.share[i] + gain[i] / variance * surprise_ms, least_share, most_share);
+        for (std::size_t j = 0; j < size; ++j) model.covariance[i][j] -= gain[i] * gain[j] / variance;
+    }
+}
+
+}  // namespace
+
+FrameTimeModel make_model(const FrameCosts& first_guess) {
+    const FrameCosts otherwise;
+    FrameTimeModel model;
+    model.first_guess_ms = {usable(first_guess.fixed_ms, otherwise.fixed_ms),
+                            usable(first_guess.per_million_triangles_ms, otherwise.per_million_triangles_ms),
+                            usable(first_guess.per_million_pixels_ms, otherwise.per_million_pixels_ms),
+                            usable(first_guess.per_million_uploaded_ms, otherwise.per_million_uploaded_ms),
+                            usable(first_guess.background_ms, otherwise.background_ms)};
+    model.share.fill(1.0);
+    for (std::size_t i = 0; i < size; ++i) model.covariance[i][i] = first_deviation * first_deviation;
+    model.level_factor.fill(1.0);
+    model.spread = first_spread;
+    return model;
+}
+
+double predict_ms(const FrameTimeModel& model, const Work& work) {
+    const double factor = model.level_factor[std::min<std::size_t>(work.level, max_levels - 1)];
+    const double ms = product(model.share, features(model, work)) * factor;
+    return std::isfinite(ms) ? std::max(ms, least_ms) : max_frame_ms;
+}
+
+double safety_factor(const FrameTimeModel& model) {
+    return std::clamp(1.0 + deviations_to_99_percent * model.spread, least_safety, most_safety);
+}
+
+FrameTimeModel learn(FrameTimeModel model, const Work& work, double measured_ms) {
+    if (!std::isfinite(measured_ms) || !(measured_ms > 0.0)) return model;
+    measured_ms = std::min(measured_ms, max_frame_ms);
+    const double off = std::abs(measured_ms / predict_ms(model, work) - 1.0);
+    model.spread += spread_gain * (std::min(off, outlier_deviations * std::max(model.spread, 0.01)) - model.spread);
+
+    double& factor = model.level_factor[std::min<std::size_t>(work.level, max_levels - 1)];
+    const Vector x = features(model, work);
+    add_drift(model);
+    bound_covariance(model);
+    correct(model, x, measured_ms / factor);
+    const double rest = std::clamp(measured_ms / predict_ms(model, work), 0.5, 2.0);
+    factor = std::clamp(factor * std::pow(rest, level_gain), least_level_factor, most_level_factor);
+    return model;
+}
+
+}  // namespace lodestream::control

@@ -1,0 +1,58 @@
+// What a frame costs on this device, learned while it runs: fixed + triangles + pixels + level change + decoding.
+//
+// The five costs are tracked by a Kalman filter in units of their first guess. Its process noise moves mostly all costs
+// together, as throttling and other load do, so that a slower device is noticed within a few frames at any level; a
+// single cost drifts slowly. A slow correction per level takes what is not linear. Outliers are clipped.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace lodestream::control {
+
+inline constexpr std::size_t max_levels = 32;  // of one ladder
+inline constexpr double max_frame_ms = 1e5;    // a longer one counts as that long
+
+// Milliseconds. A guess from the probe, or these: a slow phone, so that a device is not overrun before it is known.
+struct FrameCosts {
+    double fixed_ms = 2.0;
+    double per_million_triangles_ms = 100.0;
+    double per_million_pixels_ms = 5.0;
+    double per_million_uploaded_ms = 100.0;  // triangles of a level that was switched to
+    double background_ms = 5.0;              // decoding that keeps one core busy all the frame long
+};
+
+// What a frame has to do.
+struct Work {
+    std::uint32_t level = 0;          // < max_levels
+    double triangles = 0.0;           // of the level
+    double exposures = 1.0;           // times that the scene is drawn
+    double pixels = 0.0;              // of one exposure
+    double uploaded_triangles = 0.0;  // 0 where the level is that of the frame before
+    double background_load = 0.0;     // decoding beside it, share of a core, [0, 1]
+};
+
+struct FrameTimeModel {
+    static constexpr std::size_t size = 5;
+    using Vector = std::array<double, size>;
+
+    Vector first_guess_ms{};  // FrameCosts in their order
+    Vector share{};           // of first_guess_ms that it costs; starts as 1
+    std::array<Vector, size> covariance{};
+    std::array<double, max_levels> level_factor{};  // on top, for that level; starts as 1
+    double spread = 0.0;                            // mean deviation of measured from predicted, as a share
+};
+
+// Values that are not finite and above 0 are replaced by the defaults.
+FrameTimeModel make_model(const FrameCosts& first_guess);
+
+// Milliseconds, finite, > 0.
+double predict_ms(const FrameTimeModel& model, const Work& work);
+
+// What `spread` asks to add for about one frame in a hundred to take longer; a factor in [1.03, 1.6].
+double safety_factor(const FrameTimeModel& model);
+
+// A measurement that is not finite or not above 0 changes nothing.
+FrameTimeModel learn(FrameTimeModel model, const Work& work, double measured_ms);
+
+}  // namespace lodestream::control

@@ -1,0 +1,163 @@
+#include "common/control/predictive.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lodestream::control {
+
+namespace {
+
+constexpr double long_ago_s = 1e6;
+constexpr double undone_within_s = 1.0;  // a finer level that is left sooner without more motion was a mistake
+constexpr double longest_refine_wait_s = 8.0;
+constexpr double budget_share_to_refine = 0.9;
+
+// One frame's question, with everything that the answer depends on.
+struct Question {
+    const PredictiveState& state;
+    std::uint32_t level;
+    const Measurement& now;
+    std::span<const Level> ladder;
+    const Options& options;
+    double safety = 1.0;
+    std::uint32_t exposures = 1;        // now
+    std::uint32_t exposures_ahead = 1;  // the most, now and along the motion
+    std::uint32_t exposures_held = 1;   // the most, ahead and within the last hold_s
+};
+
+Work work_of(const Question& q, std::uint32_t level, std::uint32_t exposures, bool switched) {
+    const auto triangles = static_cast<double>(q.ladder[level].triangles);
+    return {level,
+            triangles,
+            static_cast<double>(exposures),
+            q.now.pixels,
+            switched ? triangles : 0.0,
+            q.now.background_load};
+}
+
+double need_ms(const Question& q, std::uint32_t level, std::uint32_t exposures, bool switched) {
+    return predict_ms(q.state.model, work_of(q, level, exposures, switched)) * q.safety;
+}
+
+bool fits(const Question& q, std::uint32_t level, std::uint32_t exposures, bool switched, double share) {
+    return need_ms(q, level, exposures, switched) <= share * deadline_ms(q.options);
+}
+
+bool within_budget(const Question& q, std::uint32_t level, double share) {
+    return static_cast<double>(q.ladder[level].triangles) <= share * q.now.budget_triangles;
+}
+
+// Switches within the last second.
+std::uint32_t recent_switches(const PredictiveState& state) {
+    return static_cast<std::uint32_t>(std::count_if(state.since_switches_s.begin(), state.since_switches_s.end(),
+                                                    [](double since_s) { return since_s <= 1.0; }));
+}
+
+// The coarsest where nothing fits. Where the upload alone breaks this frame's deadline, the frames after it count.
+std::uint32_t finest_that_fits(const Question& q, double share) {
+    const auto last = static_cast<std::uint32_t>(q.ladder.size()) - 1;
+    for (const bool with_upload : {true, false})
+        for (std::uint32_t level = 0; level <= last; ++level)
+            if (within_budget(q, level, 1.0) && fits(q, level, q.exposures, with_upload && level != q.level, share) &&
+                fits(q, level, q.exposures_ahead, false, share))
+                return level;
+    return last;
+}
+
+bool must_coarsen(const Question& q) {
+    const double share = q.options.predictive.deadline_share;
+    if (!within_budget(q, q.level, 1.0) || !fits(q, q.level, q.exposures, false, share)) return true;
+    if (fits(q, q.level, q.exposures_ahead, false, share)) return false;
+    // It will have to; now rather than then, unless the switch fits then as well.
+    const std::uint32_t next = finest_that_fits(q, share);
+    return !fits(q, next, q.exposures_ahead, true, share) && fits(q, next, q.exposures, true, share);
+}
+
+// The finest of the finer levels that may be taken now, or the same level.
+std::uint32_t refined(const Question& q) {
+    const PredictiveOptions& options = q.options.predictive;
+    const bool allowed = q.state.since_switch_s >= q.state.refine_wait_s &&
+                         recent_switches(q.state) + 2 <= max_switches_per_s;  // this one and one to undo it
+    if (!allowed) return q.level;
+    for (std::uint32_t level = 0; level < q.level; ++level)
+        if (within_budget(q, level, budget_share_to_refine) &&
+            fits(q, level, q.exposures_held, false, options.refine_share) &&
+            fits(q, level, q.exposures, true, options.deadline_share))
+            return level;
+    return q.level;
+}
+
+std::uint32_t choose(const Question& q) {
+    if (!q.state.started) return finest_that_fits(q, q.options.predictive.refine_share);
+    if (!must_coarsen(q)) return refined(q);
+    if (recent_switches(q.state) >= max_switches_per_s) return q.level;
+    return std::max(q.level, finest_that_fits(q, q.options.predictive.deadline_share));
+}
+
+void pass_time(PredictiveState& state, double interval_s) {
+    const auto older = [&](double& since_s) { since_s = std::min(since_s + interval_s, long_ago_s); };
+    older(state.since_switch_s);
+    std::for_each(state.since_exposures_s.begin(), state.since_exposures_s.end(), older);
+    std::for_each(state.since_switches_s.begin(), state.since_switches_s.end(), older);
+}
+
+void note_exposures(PredictiveState& state, std::uint32_t exposures) {
+    if (exposures >= 2) state.since_exposures_s[0] = 0.0;
+    if (exposures >= max_exposures) state.since_exposures_s[1] = 0.0;
+}
+
+std::uint32_t held_exposures(const PredictiveState& state, double hold_s) {
+    if (state.since_exposures_s[1] <= hold_s) return max_exposures;
+    return state.since_exposures_s[0] <= hold_s ? 2 : 1;
+}
+
+void note_switch(PredictiveState& state, bool finer, std::uint32_t exposures, double base_wait_s) {
+    const bool undone = !finer && state.last_was_refinement && state.since_switch_s < undone_within_s &&
+                        exposures <= state.exposures_at_switch;
+    const bool lasted = state.since_switch_s >= undone_within_s;
+    if (undone) state.refine_wait_s = std::min(2.0 * state.refine_wait_s, longest_refine_wait_s);
+    if (finer && lasted) state.refine_wait_s = std::max(0.5 * state.refine_wait_s, base_wait_s);
+    state.since_switch_s = 0.0;
+    state.last_was_refinement = finer;
+    state.exposures_at_switch = exposures;
+    std::rotate(state.since_switches_s.begin(), state.since_switches_s.end() - 1, state.since_switches_s.end());
+    state.since_switches_s.front() = 0.0;
+}
+
+PredictiveState first_state(const PredictiveOptions& options) {
+    PredictiveState state;
+    state.model = make_model(options.first_guess);
+    state.refine_wait_s = options.refine_wait_s;
+    state.since_switch_s = long_ago_s;
+    state.since_exposures_s.fill(long_ago_s);
+    state.since_switches_s.fill(long_ago_s);
+    return state;
+}
+
+}  // namespace
+
+Prediction predict(PredictiveState state, std::uint32_t level, const Measurement& now, double acceleration_deg_s2,
+                   std::span<const Level> ladder, const Options& options) {
+    const bool first = !state.started;
+    if (first) state = first_state(options.predictive);
+    pass_time(state, now.interval_s);
+    if (!first) state.model = learn(std::move(state.model), state.work, now.frame_ms);
+
+    const double speed_ahead = now.speed_deg_s + std::max(acceleration_deg_s2, 0.0) * options.predictive.look_ahead_s;
+    Question q{state, level, now, ladder, options, safety_factor(state.model)};
+    q.exposures = exposures(now.speed_deg_s, options.blur);
+    q.exposures_ahead = std::max(q.exposures, exposures(speed_ahead, options.blur));
+    note_exposures(state, q.exposures);
+    q.exposures_held = std::max(q.exposures_ahead, held_exposures(state, options.predictive.hold_s));
+
+    const std::uint32_t chosen = choose(q);
+    const bool switched = !first && chosen != level;
+    const Work work = work_of(q, chosen, q.exposures, switched);
+    if (switched) note_switch(state, chosen < level, q.exposures, options.predictive.refine_wait_s);
+    state.work = work;
+    state.started = true;
+    const double predicted_ms = predict_ms(state.model, work);
+    return {std::move(state), chosen, predicted_ms};
+}
+
+}  // namespace lodestream::control

@@ -1,0 +1,86 @@
+#include "client/probe/probe.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/probe/cpu.h"
+#include "proto/messages.h"
+
+namespace lodestream::probe {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Report constructed() {
+    Report report;
+    report.machine.name = "A \"CPU\"";
+    report.machine.cpu_mhz = 2000.0;
+    report.machine.cpu_cores = 2;
+    report.machine.memory_mb = 4096.0;
+    report.graphics = {{3e6, 1.5, 9}, {2e6, 2.5, 9}, {1e8, 0.5, 9}, 0.25};
+    report.cpu_single = {5e8, 1.0, 15};
+    report.cpu_all = {9e8, 1.0, 15};
+    report.renderer = "llvmpipe";
+    report.software_renderer = true;
+    report.other_cores = 0.02;
+    report.seconds = 2.5;
+    return report;
+}
+
+TEST(Probe, ItsJsonIsADeviceFile) {
+    const auto request = proto::parse_device_file(to_json(constructed()));
+    ASSERT_TRUE(request) << request.error().message;
+    EXPECT_EQ(request->budget.device.name, "A \"CPU\"");
+    EXPECT_EQ(request->budget.device.cpu_mhz, 2000.0);
+    EXPECT_EQ(request->budget.device.cpu_cores, 2u);
+    EXPECT_EQ(request->budget.device.gpu, budget::Gpu::none);
+    EXPECT_EQ(*request->budget.device.memory_mb, 4096.0);
+    EXPECT_EQ(*request->budget.device.triangles_per_second, 2e6);  // the lower rate
+    EXPECT_FALSE(request->budget.display);
+}
+
+TEST(Probe, ADeviceWhoseClockIsNotKnownCanBePlannedFor) {
+    Report report = constructed();
+    report.machine.cpu_mhz.reset();
+    report.machine.display = budget::Display{1920, 1080};
+    const auto request = proto::parse_device_file(to_json(report));
+    ASSERT_TRUE(request) << request.error().message;
+    EXPECT_EQ(request->budget.display->width, 1920u);
+    EXPECT_TRUE(budget::validate(request->budget));
+}
+
+TEST(Probe, SaysWhenItWasDisturbed) {
+    Report report = constructed();
+    EXPECT_FALSE(disturbed(report));
+    EXPECT_THAT(to_text(report), Not(HasSubstr("DISTURBED")));
+    EXPECT_THAT(to_json(report), HasSubstr("\"disturbed\":false"));
+    report.other_cores = 0.9;
+    EXPECT_THAT(to_text(report), HasSubstr("DISTURBED"));
+    EXPECT_THAT(to_json(report), HasSubstr("\"disturbed\":true"));
+    report.other_cores.reset();
+    EXPECT_FALSE(disturbed(report));
+    EXPECT_THAT(to_json(report), HasSubstr("\"other_cores\":null"));
+}
+
+TEST(Probe, CpuRatesArePositiveAndComeFromSeveralRuns) {
+    const Rate one = measure_cpu(1, 0.2);
+    EXPECT_GT(one.per_second, 1e5);
+    EXPECT_GE(one.runs, 2u);
+}
+
+TEST(Probe, MeasuresThisDevice) {
+    const auto report = measure();
+    ASSERT_TRUE(report) << report.error().message;
+    for (const Rate& rate : {report->graphics.gouraud_triangles, report->graphics.flat_triangles,
+                             report->graphics.pixels, report->cpu_single, report->cpu_all}) {
+        EXPECT_GT(rate.per_second, 0.0);
+        EXPECT_GE(rate.runs, 1u);
+        EXPECT_LE(rate.uncertainty_percent, 100.0);
+    }
+    EXPECT_GT(report->graphics.fixed_frame_ms, 0.0);
+    EXPECT_TRUE(proto::parse_device_file(to_json(*report)));
+}
+
+}  // namespace
+}  // namespace lodestream::probe

@@ -1,0 +1,138 @@
+// `lodestream-client fly` and `probe` as programs: against a served teapot, from the command line to the files.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "proto/messages.h"
+#include "tests/support/temporary_folder.h"
+
+namespace lodestream {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+struct Ended {
+    int code = -1;
+    std::string output;  // both streams
+};
+
+Ended run(const std::string& command) {
+    std::FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
+    if (pipe == nullptr) return {};
+    Ended ended;
+    for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) ended.output += static_cast<char>(c);
+    const int status = ::pclose(pipe);
+    ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return ended;
+}
+
+// A server of one small teapot, ended with its object.
+class TeapotServer {
+  public:
+    explicit TeapotServer(const fs::path& store) {
+        const Ended baked = run(LODESTREAM_SERVER " bake sample:teapot:800 --store " + store.string());
+        EXPECT_EQ(baked.code, 0) << baked.output;
+        int ends[2];
+        if (::pipe2(ends, O_CLOEXEC) != 0) return;
+        pid_ = ::fork();
+        if (pid_ == 0) {
+            ::dup2(ends[1], STDOUT_FILENO);
+            ::execl(LODESTREAM_SERVER, LODESTREAM_SERVER, "serve", "--listen", "127.0.0.1:0", "--store", store.c_str(),
+                    static_cast<char*>(nullptr));
+            ::_exit(127);
+        }
+        ::close(ends[1]);
+        output_ = ::fdopen(ends[0], "r");
+        char banner[128] = "";
+        const std::string prefix = "listening on ";
+        if (std::fgets(banner, sizeof banner, output_) != nullptr) url = std::string(banner).substr(prefix.size());
+        while (!url.empty() && (url.back() == '\n' || url.back() == ' ')) url.pop_back();
+    }
+    ~TeapotServer() {
+        ::kill(pid_, SIGKILL);
+        ::waitpid(pid_, nullptr, 0);
+        std::fclose(output_);
+    }
+    TeapotServer(const TeapotServer&) = delete;
+    TeapotServer& operator=(const TeapotServer&) = delete;
+
+    std::string url;
+
+  private:
+    pid_t pid_ = -1;
+    std::FILE* output_ = nullptr;
+};
+
+std::vector<std::string> lines_of(const fs::path& file) {
+    std::ifstream in(file);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+
+std::vector<double> numbers_of(const std::string& row) {
+    std::istringstream in(row);
+    std::vector<double> numbers;
+    for (std::string cell; std::getline(in, cell, ',');) numbers.push_back(std::stod(cell));
+    return numbers;
+}
+
+TEST(FlyProgram, WritesARowAndAPictureAFrame) {
+    const testing::TemporaryFolder folder;
+    const TeapotServer server(folder.path() / "store");
+    const fs::path motion = folder.path() / "motion.csv", out = folder.path() / "flight.csv";
+    std::ofstream(motion) << "t_s,x,y,z,yaw_deg,pitch_deg\n0,,,,0,0\n0.2,,,,20,5\n0.4,0,1,5,0,-10\n";
+    const Ended flown = run(LODESTREAM_CLIENT " fly --server " + server.url + " --asset teapot --motion " +
+                            motion.string() + " --controller isblc --target-fps 20 --width 64 --height 48 --out " +
+                            out.string() + " --frames " + (folder.path() / "frames").string());
+    ASSERT_EQ(flown.code, 0) << flown.output;
+    const std::vector<std::string> lines = lines_of(out);
+    ASSERT_GE(lines.size(), 3u);
+    EXPECT_EQ(lines[0], "t_s,frame_ms,level,triangles,speed_deg_s,error_px,switched");
+    for (std::size_t i = 1; i < lines.size(); ++i) {
+        const std::vector<double> row = numbers_of(lines[i]);
+        ASSERT_EQ(row.size(), 7u) << lines[i];
+        EXPECT_GT(row[1], 0.0);
+        EXPECT_LE(row[3], 800.0);
+        EXPECT_TRUE(row[6] == 0.0 || row[6] == 1.0);
+    }
+    const auto pictures = std::distance(fs::directory_iterator(folder.path() / "frames"), fs::directory_iterator());
+    EXPECT_EQ(static_cast<std::size_t>(pictures), lines.size() - 1);
+}
+
+TEST(FlyProgram, SaysWhatIsWrongInOneLine) {
+    const testing::TemporaryFolder folder;
+    const TeapotServer server(folder.path() / "store");
+    const std::string common = LODESTREAM_CLIENT " fly --server " + server.url + " --out " +
+                               (folder.path() / "x.csv").string() + " --width 64 --height 48 ";
+    const Ended no_asset = run(common + "--asset kettle --motion builtin:nod");
+    EXPECT_EQ(no_asset.code, 1);
+    EXPECT_THAT(no_asset.output, HasSubstr("no asset \"kettle\""));
+    const Ended no_motion = run(common + "--asset teapot --motion builtin:dance");
+    EXPECT_EQ(no_motion.code, 1);
+    EXPECT_THAT(no_motion.output, HasSubstr("no built-in motion \"dance\""));
+    const Ended no_controller = run(common + "--asset teapot --motion builtin:nod --controller best");
+    EXPECT_EQ(no_controller.code, 2);
+}
+
+TEST(ProbeProgram, PrintsADeviceFile) {
+    const Ended probed = run(LODESTREAM_CLIENT " probe --json");
+    ASSERT_EQ(probed.code, 0) << probed.output;
+    const auto request = proto::parse_device_file(probed.output);
+    ASSERT_TRUE(request) << request.error().message << "\n" << probed.output;
+    EXPECT_GT(*request->budget.device.triangles_per_second, 0.0);
+}
+
+}  // namespace
+}  // namespace lodestream
