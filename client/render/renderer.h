@@ -23,7 +23,7 @@
 #include "common/base/result.h"
 #include "common/codec/level_codec.h"
 #include "common/mesh/mesh.h"
-#include "common/shading/hybrid_split.h"
+#include "common/shading/phong.h"
 #include "common/shading/view.h"
 
 namespace lodestream::render {

@@ -45,7 +45,7 @@ Error not_ready(const proto::Asset& asset) {
 
 // Names everything that the encoded bytes depend on. The view matters only where triangles are chosen by it.
 std::string content_key(std::uint64_t triangles, const SplitRequest& split, const Vec3d& center) {
-    std::string key = "level/" + std::to_string(triangles) + "/" + proto::shading_mode_name(split.mode);
+    std::string key = "level/importance/" + std::to_string(triangles) + "/" + proto::shading_mode_name(split.mode);
     if (split.mode != proto::ShadingMode::hybrid || split.distance <= 0.0 || split.distance >= 1.0) {
         return key + (split.mode == proto::ShadingMode::hybrid ? (split.distance <= 0.0 ? "/near" : "/far") : "");
     }
@@ -62,7 +62,7 @@ std::string content_key(std::uint64_t triangles, const SplitRequest& split, cons
 void fill_shading(proto::PlanResponse& response, const EncodedSplit& split) {
     response.shading.gouraud = split.gouraud;
     response.shading.flat = split.flat;
-    response.shading.operations = budget::operations(split.gouraud, split.flat);
+    response.shading.operations = budget::with_shading(split.criterion_operations, split.gouraud, split.flat);
     response.shading.mode = proto::shading_mode_name(split.mode);
 }
 
