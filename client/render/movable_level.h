@@ -8,7 +8,10 @@
 // file without normals, so a split loses the designer's own normals inside flat regions and nothing else.
 //
 // The order is cut into order_buckets of equal size; inside each, triangles are arranged for the GPU's vertex cache.
-// The border may still stand anywhere, and at every bucket's end the choice is the exact one.
+// The border may still stand anywhere, and at every bucket's end the choice is the exact one. More buckets keep closer
+// to the order, fewer keep neighbours together: of 8,000 and 99,000 triangles of two scans a cache of 16 vertices
+// transforms 0.7 vertices a triangle in one bucket, 1.3 to 1.6 in 4, 1.8 to 2.1 in 8 and 2.8 in 64; a decoded level
+// has 1.1.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +24,7 @@
 namespace lodestream::render {
 
 inline constexpr double crease_degrees = 60.0;
-inline constexpr std::size_t order_buckets = 64;
+inline constexpr std::size_t order_buckets = 8;
 
 struct MovableLevel {
     codec::Decoded content;  // one Gouraud primitive a material, triangles by falling importance

@@ -423,7 +423,7 @@ Result<AssetResult> Gatherer::measure_asset(const proto::Asset& listed) {
     if (Status going_on = begin(listed.name + ": split"); !going_on) return going_on.error();
     if (Status split = measure_split(result, *reference); !split) problem(listed.name + ", split", split.error());
     if (Status going_on = begin(listed.name + ": shading"); !going_on) return going_on.error();
-    const StudyOptions study{result.asset.id, reference->view, effort_.frames};
+    const StudyOptions study{result.asset.id, reference->view, effort_.frames, options_.quick};
     if (Status studied = study_shading(client_, renderer_, reference->settings, study, result); !studied)
         problem(listed.name + ", shading", studied.error());
     if (Status saved = save_composite(result); !saved) problem(listed.name, saved.error());

@@ -42,6 +42,7 @@ struct StudyOptions {
     std::string asset_id;
     shading::View view;
     std::uint32_t frames = 5;  // of a picture whose time counts
+    bool quick = false;        // the pure modes and the hybrid's own share of the price alone
 };
 
 // Gives `asset` its operations and its samples. Errors: of the server, the decoder or the renderer.

@@ -133,18 +133,30 @@ class Evaluation {
     }
     double mean_square(const Face& face, const std::array<Parts, 3>& parts, double ambient) {
         ++counts_.comparisons;
-        double squares = 0.0;
+        double channel_sum = 0.0, sum = 0.0;
         for (int channel = 0; channel < 3; ++channel) {
-            double sum = 0.0;
-            for (std::size_t i = 0; i < 3; ++i) {
-                const double color = std::clamp(finite_or_zero(face.colors[i][channel]), 0.0, 1.0);
-                const double step = difference(parts[i], color, color * ambient);
-                sum += step;
-                squares += step * step;
-            }
-            squares += sum * sum;
+            if (channel == 0 || !alike(face, channel - 1, channel))
+                channel_sum = step_squares(face, parts, ambient, channel);
+            sum += channel_sum;
         }
-        return finite_or_zero(squares / 36.0);
+        return finite_or_zero(sum / 36.0);
+    }
+
+    // Of grey corners one channel says all.
+    static bool alike(const Face& face, int channel, int other) {
+        return std::all_of(face.colors.begin(), face.colors.end(),
+                           [&](const Vec3d& color) { return color[channel] == color[other]; });
+    }
+
+    static double step_squares(const Face& face, const std::array<Parts, 3>& parts, double ambient, int channel) {
+        double sum = 0.0, squares = 0.0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double color = std::clamp(finite_or_zero(face.colors[i][channel]), 0.0, 1.0);
+            const double step = difference(parts[i], color, color * ambient);
+            sum += step;
+            squares += step * step;
+        }
+        return squares + sum * sum;
     }
 
     const ImportanceOptions& options_;
