@@ -16,6 +16,7 @@ constexpr double flat_shares[] = {0.0, 0.25, 0.5, 0.75, 1.0};
 constexpr double paper_gouraud_share = 179.0 / 6400.0;  // of the phone's teapot
 constexpr std::uint64_t printed_flat = 179, printed_gouraud = 4421, printed_triangles = 6400;
 constexpr double unlimited_cpu_mhz = 1e9;
+constexpr int max_byte_corrections = 4;  // a level's bytes do not fall in proportion with its triangles
 
 std::uint64_t share_of(std::uint64_t count, double share) {
     return static_cast<std::uint64_t>(std::llround(share * static_cast<double>(count)));
@@ -148,17 +149,18 @@ class Study {
         return Nothing{};
     }
 
-    // All flat as the server sends it, and all Gouraud with as many triangles as take the same bytes.
+    // All flat as the server sends it, and all Gouraud with as many triangles as take no more bytes.
     Status equal_bytes(std::uint64_t triangles) {
         Result<sdk::Loaded> flat = load(triangles, proto::ShadingMode::flat);
         if (!flat) return flat.error();
         Result<sdk::Loaded> smooth = load(triangles, proto::ShadingMode::gouraud);
+        for (int i = 0; smooth && smooth->bytes > flat->bytes && i < max_byte_corrections; ++i) {
+            const double ratio = static_cast<double>(flat->bytes) / static_cast<double>(smooth->bytes);
+            triangles = share_of(triangles, ratio);
+            smooth = load(triangles, proto::ShadingMode::gouraud);
+        }
         if (!smooth) return smooth.error();
-        const double ratio =
-            static_cast<double>(flat->bytes) / static_cast<double>(std::max<std::uint64_t>(smooth->bytes, 1));
-        Result<sdk::Loaded> fewer = load(share_of(triangles, std::min(ratio, 1.0)), proto::ShadingMode::gouraud);
-        if (!fewer) return fewer.error();
-        for (const sdk::Loaded* level : {&*flat, &*fewer}) {
+        for (const sdk::Loaded* level : {&*flat, &*smooth}) {
             if (auto up = renderer_.upload(level->content); !up) return up.error();
             ShadingSample sample =
                 sample_of("equal bytes", "", level->plan.level.triangles, level->plan.shading.gouraud);
