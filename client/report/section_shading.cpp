@@ -232,12 +232,13 @@ std::string equal_cost_sentence(const std::vector<EqualCost>& rows) {
     return "<p>For the same price in the paper’s operations (flat 1, Gouraud 4 a triangle) hybrid’s picture is nearer "
            "to the full model’s than all flat and all Gouraud, each with what it affords, on <strong>" +
            std::to_string(wins) + of +
-           "</strong> models. Hybrid then shows three quarters of the triangles that all flat could, and the most "
-           "important ninth of them smooth. Its choice (the greatest difference over all lights, times the area seen) "
+           "</strong> models. Hybrid then shows seven eighths of the triangles that all flat could, and the most "
+           "important twenty-first of them smooth. Its choice (the greatest difference over all lights, times the area "
+           "seen) "
            "is at least as good as the paper’s (differing corners, then size) on " +
            std::to_string(better) + of +
            ". For the same bytes instead, all Gouraud with fewer triangles beats all flat on " + std::to_string(bytes) +
-           of + "; where bytes limit a plan, it therefore sends all Gouraud.</p>";
+           of + ".</p>";
 }
 
 // What the border costs on this renderer.

@@ -149,11 +149,8 @@ Result<proto::PlanResponse> Planner::Impl::plan_level(const proto::PlanRequest& 
     response.rup = budget.rup;
     response.budget = {budget.triangles, budget::limited_by_name(budget.limited_by), budget.feasible};
 
-    // Flat triangles save operations, not bytes enough: see the report, section shading, equal bytes.
-    const bool bytes_decide =
-        request.shading == proto::ShadingMode::hybrid && budget.limited_by == budget::LimitedBy::network;
     SplitRequest split;
-    split.mode = bytes_decide ? proto::ShadingMode::gouraud : request.shading;
+    split.mode = request.shading;
     split.view = request.view ? *request.view : shading::framing_view(loaded.world_bounds);
     const budget::Display display = request.budget.display.value_or(shading::default_display);
     split.distance =
@@ -163,11 +160,6 @@ Result<proto::PlanResponse> Planner::Impl::plan_level(const proto::PlanRequest& 
     response.shading.distance = split.distance;
     response.level.screen_space_error_px =
         response.level.max_error * shading::pixels_per_unit(split.view, loaded.world_bounds, display);
-    if (bytes_decide)
-        response.warnings.push_back(
-            "sent all Gouraud: the network is the limit, and for the same bytes fewer triangles with normals look "
-            "better "
-            "than more without");
     if (!budget.feasible)
         response.warnings.push_back(std::string("the ") + budget::limited_by_name(budget.limited_by) +
                                     " allows less than one triangle; the least there is was sent");

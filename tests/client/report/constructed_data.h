@@ -64,7 +64,7 @@ inline AssetResult asset_result(const std::string& name) {
         out.split.push_back(
             {d, 100, mode_result(proto::ShadingMode::hybrid, 1000 - static_cast<std::uint64_t>(200 * d), d)});
     out.operations = {6400, 3000, 57'600, 64'000, 83'200, 64'537, 75'463};
-    for (const auto& [share, error] : {std::pair{0.25, 2.0}, std::pair{0.75, 1.5}, std::pair{1.0, 3.0}}) {
+    for (const auto& [share, error] : {std::pair{0.25, 2.0}, std::pair{0.875, 1.5}, std::pair{1.0, 3.0}}) {
         ShadingSample sample;
         sample.series = "equal operations";
         sample.criterion = "importance";

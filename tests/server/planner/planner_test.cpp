@@ -128,22 +128,6 @@ TEST(Planner, PureModesSendAllOrNoNormals) {
     }
 }
 
-TEST(Planner, SendsAllGouraudAndSaysSoWhereTheNetworkIsTheLimit) {
-    proto::PlanRequest request = large_hybrid();
-    request.budget.network = budget::Network{0.05, 50.0, 1.0};
-    const proto::PlanResponse plan = *baked().planner.plan(request);
-    ASSERT_EQ(plan.budget.limited_by, "network");
-    EXPECT_GT(plan.shading.distance, 0.0);
-    EXPECT_EQ(plan.shading.flat, 0u);
-    EXPECT_EQ(plan.shading.mode, "gouraud");
-    const auto says_so = [](const std::string& warning) {
-        return warning.starts_with("sent all Gouraud: the network");
-    };
-    EXPECT_EQ(std::count_if(plan.warnings.begin(), plan.warnings.end(), says_so), 1);
-    request.shading = proto::ShadingMode::flat;  // who asks for a pure mode gets it
-    EXPECT_EQ(baked().planner.plan(request)->shading.gouraud, 0u);
-}
-
 TEST(Planner, NearIsAllGouraudAndFarAllFlat) {
     proto::PlanRequest request = contract_example();
     request.view->eye = {0, 0, 1};
