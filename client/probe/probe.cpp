@@ -34,8 +34,11 @@ std::string number(double value) {
 }
 
 std::string rate_json(const char* name, const Rate& rate) {
-    return "\"" + std::string(name) + "\":" + number(rate.per_second) + ",\"" + name +
-           "_uncertainty_percent\":" + number(rate.uncertainty_percent) + ",";
+    std::string out = quoted(name);
+    out += ":" + number(rate.per_second) + ",";
+    out += quoted(std::string(name) + "_uncertainty_percent");
+    out += ":" + number(rate.uncertainty_percent) + ",";
+    return out;
 }
 
 std::string rate_text(const char* name, const Rate& rate, const char* unit) {

@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
+#include <memory>
 #include <new>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -26,7 +29,8 @@ enum Location : GLuint {
 
 struct Program {
     GLuint id = 0;
-    GLint clip_from_scene = -1, eye = -1, to_light = -1, phong = -1, base_color = -1, emissive = -1, alpha_cutoff = -1;
+    GLint clip_from_scene = -1, eye = -1, lights = -1, light_count = -1, phong = -1, base_color = -1, emissive = -1,
+          alpha_cutoff = -1;
 };
 
 // What one draw call needs.
@@ -35,8 +39,9 @@ struct Batch {
     std::uint32_t material = 0;
     GLuint vertex_array = 0;
     std::vector<GLuint> buffers;
-    GLsizei corners = 0;
+    GLsizei first = 0, corners = 0;  // the range of the indices that is drawn
     Vec3d center{0.0};
+    std::shared_ptr<const std::vector<std::uint32_t>> places;  // of a movable level's triangles in its order; else null
 };
 
 struct Target {
@@ -93,7 +98,8 @@ Result<Program> link(const char* define) {
     const auto uniform = [&](const char* name) { return glGetUniformLocation(program.id, name); };
     program.clip_from_scene = uniform("u_clip_from_scene");
     program.eye = uniform("u_eye");
-    program.to_light = uniform("u_to_light");
+    program.lights = uniform("u_lights");
+    program.light_count = uniform("u_light_count");
     program.phong = uniform("u_phong");
     program.base_color = uniform("u_base_color");
     program.emissive = uniform("u_emissive");
@@ -151,16 +157,17 @@ std::uint64_t fill(Batch& batch, const Streams& streams) {
     glGenVertexArrays(1, &batch.vertex_array);
     glBindVertexArray(batch.vertex_array);
     std::uint64_t bytes = add_buffer(batch, GL_ARRAY_BUFFER, streams.positions);
+    attribute(location_position, 3, GL_FLOAT, false, corner, 0);
     if (batch.flat) {
+        bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.first_corners);
         attribute(location_first, 3, GL_FLOAT, false, corner, 0);
-        attribute(location_normal_or_previous, 3, GL_FLOAT, false, corner, corner);
-        attribute(location_position, 3, GL_FLOAT, false, corner, flat_padding * corner);
+        bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.previous_corners);
+        attribute(location_normal_or_previous, 3, GL_FLOAT, false, corner, 0);
     } else {
-        attribute(location_position, 3, GL_FLOAT, false, corner, 0);
         bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.normals);
         attribute(location_normal_or_previous, 3, GL_FLOAT, false, corner, 0);
-        bytes += add_buffer(batch, GL_ELEMENT_ARRAY_BUFFER, streams.indices);
     }
+    bytes += add_buffer(batch, GL_ELEMENT_ARRAY_BUFFER, streams.indices);
     if (!streams.colors.empty()) {
         bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.colors);
         attribute(location_color, 4, GL_UNSIGNED_BYTE, true, sizeof(Rgba8), 0);
@@ -267,17 +274,27 @@ struct Renderer::Impl {
     Status create();
     void clear();
     std::vector<std::string> upload_textures(const std::vector<mesh::Image>& images);
+    std::vector<std::string> begin_upload(const codec::Decoded& content);
+    Batch& add_batch(const codec::Primitive& primitive, bool is_flat, std::size_t images);
+    Result<UploadStatistics> end_upload(std::vector<std::string> warnings);
     Result<UploadStatistics> upload(const codec::Decoded& content);
+    Result<UploadStatistics> upload(const MovableLevel& level);
+    void move_split(std::uint64_t border);
     Status check(const DrawOptions& options) const;
     Status prepare_targets(const DrawOptions& options);
-    void set_camera(const Program& program, const Camera& camera, const shading::Phong& phong) const;
+    void set_camera(const Program& program, const Camera& camera, const std::vector<Vec4f>& lights,
+                    const shading::Phong& phong) const;
     void bind_texture(GLenum unit, const mesh::TextureReference& reference) const;
     void set_material(const Program& program, const mesh::Material& material) const;
     void draw_batch(const Batch& batch) const;
     Status expose(const shading::View& view, const DrawOptions& options);
     void draw_exposures(const Program& program, const Batch& batch) const;
     void sort_blended(const Camera& camera);
-    void draw_frame(const Camera& camera, const DrawOptions& options);
+    void draw_frame(const Camera& camera, const std::vector<Vec4f>& lights, const DrawOptions& options);
+    std::uint32_t draw_calls() const {
+        return static_cast<std::uint32_t>(
+            std::count_if(batches.begin(), batches.end(), [](const Batch& b) { return b.corners > 0; }));
+    }
     Image read_back(const DrawOptions& options) const;
 };
 
@@ -343,35 +360,31 @@ std::vector<std::string> Renderer::Impl::upload_textures(const std::vector<mesh:
     return warnings;
 }
 
-Result<UploadStatistics> Renderer::Impl::upload(const codec::Decoded& content) {
-    if (auto sound = check_drawable(content); !sound) return sound.error();
+// Everything but the geometry, in place of the level before.
+std::vector<std::string> Renderer::Impl::begin_upload(const codec::Decoded& content) {
     clear();
     gl_failed();
     placement = place(content);
     origin = content.origin;
     materials = content.materials;
-    auto warnings = upload_textures(content.images);
-    for (const codec::Primitive& primitive : content.primitives) {
-        const std::size_t triangles = primitive.mesh.triangles.size();
-        if (triangles == 0) continue;
-        if (triangles > codec::max_decoded_triangles)
-            return fail(ErrorCode::limit_exceeded, "too many triangles to draw");
-        const bool is_flat = primitive.shading == codec::Shading::flat;
-        const bool textured = is_textured(materials[primitive.material], content.images.size());
-        Batch batch;
-        batch.flat = is_flat;
-        batch.material = primitive.material;
-        batch.corners = static_cast<GLsizei>(triangles * 3);
-        const Streams streams = is_flat ? flat_streams(primitive.mesh, placement, textured)
-                                        : gouraud_streams(primitive.mesh, placement, textured);
-        uploaded.geometry_bytes += fill(batch, streams);
-        uploaded.triangles += triangles;
-        if (!is_flat) {
-            uploaded.gouraud_triangles += triangles;
-            uploaded.gouraud_vertices += streams.positions.size();
-        }
-        batches.push_back(std::move(batch));
-    }
+    return upload_textures(content.images);
+}
+
+Batch& Renderer::Impl::add_batch(const codec::Primitive& primitive, bool is_flat, std::size_t images) {
+    const bool textured = is_textured(materials[primitive.material], images);
+    Batch batch;
+    batch.flat = is_flat;
+    batch.material = primitive.material;
+    batch.corners = static_cast<GLsizei>(primitive.mesh.triangles.size() * 3);
+    const Streams streams = is_flat ? flat_streams(primitive.mesh, placement, textured)
+                                    : gouraud_streams(primitive.mesh, placement, textured);
+    uploaded.geometry_bytes += fill(batch, streams);
+    (is_flat ? uploaded.flat_vertices : uploaded.gouraud_vertices) += streams.positions.size();
+    batches.push_back(std::move(batch));
+    return batches.back();
+}
+
+Result<UploadStatistics> Renderer::Impl::end_upload(std::vector<std::string> warnings) {
     if (gl_failed()) return out_of_memory(std::to_string(uploaded.triangles) + " triangles");
     const auto blended = [&](const Batch& b) { return materials[b.material].alpha_mode == mesh::AlphaMode::blend; };
     std::stable_sort(batches.begin(), batches.end(), [&](const Batch& a, const Batch& b) {
@@ -380,6 +393,51 @@ Result<UploadStatistics> Renderer::Impl::upload(const codec::Decoded& content) {
     Result<UploadStatistics> result(uploaded);
     result.warnings = std::move(warnings);
     return result;
+}
+
+Result<UploadStatistics> Renderer::Impl::upload(const codec::Decoded& content) {
+    if (auto sound = check_drawable(content); !sound) return sound.error();
+    auto warnings = begin_upload(content);
+    for (const codec::Primitive& primitive : content.primitives) {
+        const std::size_t triangles = primitive.mesh.triangles.size();
+        if (triangles == 0) continue;
+        const bool is_flat = primitive.shading == codec::Shading::flat;
+        add_batch(primitive, is_flat, content.images.size());
+        uploaded.triangles += triangles;
+        if (!is_flat) uploaded.gouraud_triangles += triangles;
+    }
+    return end_upload(std::move(warnings));
+}
+
+Result<UploadStatistics> Renderer::Impl::upload(const MovableLevel& level) {
+    if (auto sound = check_drawable(level.content); !sound) return sound.error();
+    if (level.places.size() != level.content.primitives.size())
+        return invalid_input("a movable level needs the places of each primitive's triangles");
+    auto warnings = begin_upload(level.content);
+    for (std::size_t i = 0; i < level.content.primitives.size(); ++i) {
+        const codec::Primitive& primitive = level.content.primitives[i];
+        if (primitive.mesh.triangles.size() != level.places[i].size() || primitive.shading == codec::Shading::flat)
+            return invalid_input("a movable level has Gouraud primitives and a place for each of their triangles");
+        if (level.places[i].empty()) continue;
+        const auto places = std::make_shared<const std::vector<std::uint32_t>>(level.places[i]);
+        for (const bool is_flat : {false, true})
+            add_batch(primitive, is_flat, level.content.images.size()).places = places;
+        uploaded.triangles += places->size();
+        uploaded.gouraud_triangles += places->size();
+    }
+    move_split(uploaded.triangles);
+    return end_upload(std::move(warnings));
+}
+
+void Renderer::Impl::move_split(std::uint64_t border) {
+    for (Batch& batch : batches) {
+        if (!batch.places) continue;
+        const auto first_flat = std::lower_bound(batch.places->begin(), batch.places->end(), border);
+        const auto smooth = static_cast<GLsizei>(3 * (first_flat - batch.places->begin()));
+        const auto all = static_cast<GLsizei>(3 * batch.places->size());
+        batch.first = batch.flat ? smooth : 0;
+        batch.corners = batch.flat ? all - smooth : smooth;
+    }
 }
 
 Status Renderer::Impl::check(const DrawOptions& options) const {
@@ -392,6 +450,12 @@ Status Renderer::Impl::check(const DrawOptions& options) const {
                                                    std::to_string(options.height) + " px is too large to draw");
     if (options.samples == 0 || options.samples > max_samples) return invalid_input("samples must be 1 to 8");
     if (options.frames == 0) return invalid_input("frames must be at least 1");
+    if (options.lights.size() > max_lights)
+        return fail(ErrorCode::limit_exceeded, "at most " + std::to_string(max_lights) + " lights");
+    for (const Light& light : options.lights)
+        if (!all_finite(light.direction) || light.direction == Vec3d{0.0} || !(light.intensity >= 0.0) ||
+            !std::isfinite(light.intensity))
+            return invalid_input("a light needs a finite direction of some length and an intensity of at least 0");
     return Nothing{};
 }
 
@@ -404,11 +468,13 @@ Status Renderer::Impl::prepare_targets(const DrawOptions& options) {
     return Nothing{};
 }
 
-void Renderer::Impl::set_camera(const Program& program, const Camera& camera, const shading::Phong& phong) const {
+void Renderer::Impl::set_camera(const Program& program, const Camera& camera, const std::vector<Vec4f>& lights,
+                                const shading::Phong& phong) const {
     glUseProgram(program.id);
     glUniformMatrix4fv(program.clip_from_scene, 1, GL_FALSE, &camera.clip_from_scene[0][0]);
     glUniform3f(program.eye, camera.eye.x, camera.eye.y, camera.eye.z);
-    glUniform3f(program.to_light, camera.to_light.x, camera.to_light.y, camera.to_light.z);
+    glUniform4fv(program.lights, static_cast<GLsizei>(lights.size()), &lights[0][0]);
+    glUniform1i(program.light_count, static_cast<GLint>(lights.size()));
     glUniform4f(program.phong, static_cast<float>(phong.ambient), static_cast<float>(phong.diffuse),
                 static_cast<float>(phong.specular), static_cast<float>(phong.shininess));
 }
@@ -435,11 +501,9 @@ void Renderer::Impl::set_material(const Program& program, const mesh::Material& 
 }
 
 void Renderer::Impl::draw_batch(const Batch& batch) const {
+    const auto offset = static_cast<std::uintptr_t>(batch.first) * sizeof(std::uint32_t);
     glBindVertexArray(batch.vertex_array);
-    if (batch.flat)
-        glDrawArrays(GL_TRIANGLES, 0, batch.corners);
-    else
-        glDrawElements(GL_TRIANGLES, batch.corners, GL_UNSIGNED_INT, nullptr);
+    glDrawElements(GL_TRIANGLES, batch.corners, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset));
 }
 
 // The cameras of every exposure, where there are several.
@@ -487,7 +551,7 @@ void Renderer::Impl::sort_blended(const Camera& camera) {
     });
 }
 
-void Renderer::Impl::draw_frame(const Camera& camera, const DrawOptions& options) {
+void Renderer::Impl::draw_frame(const Camera& camera, const std::vector<Vec4f>& lights, const DrawOptions& options) {
     const auto width = static_cast<GLint>(options.width), height = static_cast<GLint>(options.height);
     glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
     glViewport(0, 0, width, height);
@@ -499,10 +563,11 @@ void Renderer::Impl::draw_frame(const Camera& camera, const DrawOptions& options
     glClearColor(options.background.r, options.background.g, options.background.b, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     if (camera.sees_scene) {
-        set_camera(gouraud, camera, options.phong);
-        set_camera(flat, camera, options.phong);
+        set_camera(gouraud, camera, lights, options.phong);
+        set_camera(flat, camera, lights, options.phong);
         glVertexAttrib4f(location_color, 1.0f, 1.0f, 1.0f, 1.0f);
         for (const Batch& batch : batches) {
+            if (batch.corners == 0) continue;
             const Program& program = batch.flat ? flat : gouraud;
             glUseProgram(program.id);
             set_material(program, materials[batch.material]);
@@ -539,10 +604,11 @@ Result<Renderer> Renderer::create() {
     return Renderer(std::move(impl));
 }
 
-Result<UploadStatistics> Renderer::upload(const codec::Decoded& content) {
+template <class Level>
+Result<UploadStatistics> Renderer::upload_or_clear(const Level& level) {
     Error error;
     try {
-        auto statistics = impl_->upload(content);
+        auto statistics = impl_->upload(level);
         if (statistics) return statistics;
         error = statistics.error();
     } catch (const std::bad_alloc&) {
@@ -552,29 +618,40 @@ Result<UploadStatistics> Renderer::upload(const codec::Decoded& content) {
     return error;
 }
 
+Result<UploadStatistics> Renderer::upload(const codec::Decoded& content) {
+    return upload_or_clear(content);
+}
+Result<UploadStatistics> Renderer::upload(const MovableLevel& level) {
+    return upload_or_clear(level);
+}
+void Renderer::move_split(std::uint64_t gouraud) {
+    impl_->move_split(gouraud);
+}
+
 Result<Frame> Renderer::draw(const shading::View& view, const DrawOptions& options) {
     if (auto sound = shading::validate(view); !sound) return sound.error();
     if (auto sound = impl_->check(options); !sound) return sound.error();
     if (auto ready = impl_->prepare_targets(options); !ready) return ready.error();
     const double aspect = static_cast<double>(options.width) / options.height;
     const Camera camera = make_camera(view, impl_->origin, impl_->placement, aspect);
+    const std::vector<Vec4f> lights = lights_of(view, options);
     impl_->sort_blended(camera);
     if (auto exposed = impl_->expose(view, options); !exposed) return exposed.error();
     gl_failed();
     if (options.frames > 1) {  // the first frame also pays for what the driver compiles and moves
-        impl_->draw_frame(camera, options);
+        impl_->draw_frame(camera, lights, options);
         glFinish();
     }
     std::vector<double> times_ms;
     for (std::uint32_t i = 0; i < options.frames; ++i) {
         const auto start = std::chrono::steady_clock::now();
-        impl_->draw_frame(camera, options);
+        impl_->draw_frame(camera, lights, options);
         glFinish();
         times_ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     }
     try {
         Frame frame{impl_->read_back(options), median(std::move(times_ms)), impl_->uploaded.triangles,
-                    static_cast<std::uint32_t>(camera.sees_scene ? impl_->batches.size() : 0)};
+                    camera.sees_scene ? impl_->draw_calls() : 0};
         if (gl_failed()) return out_of_memory("the frame");
         return frame;
     } catch (const std::bad_alloc&) {

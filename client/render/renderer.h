@@ -1,15 +1,16 @@
 // Draws a decoded level with OpenGL ES 3.0: Gouraud primitives are lit once a vertex, flat primitives once a face, and
 // a fragment only multiplies the light that arrives with the base colour's texture.
 //
-// Flat faces need no normals in memory: their corners are stored one after the other, and one buffer is bound three
-// times, each a corner further, so that the provoking (last) vertex of a face sees all three corners and the other two
-// skip the lighting. The price is 36 bytes of positions a face, where indexed Gouraud takes about 24 (normals, shared
-// vertices).
+// Flat faces need no normals in memory and are lit exactly once: every vertex of a flat primitive carries its own
+// position and those of the two other corners of the one face that it provokes, works out the normal, and serves the
+// faces around it as a mere position. The price is 48 bytes a face, where indexed Gouraud takes about 24 (normals,
+// shared vertices), and one evaluation a face, where indexed Gouraud takes about one for two faces. What flat shading
+// saves is therefore bytes on the wire and decoding, not drawing.
 //
-// Light: Phong's model from one direction plus ambient (shading::Phong), computed in linear light, written as sRGB.
-// Faces are lit from both sides: a face seen from behind uses the opposite normal. Nothing is culled. Of a material the
-// base colour, emission, their textures and the alpha mode are drawn; roughness and metalness are not part of Phong's
-// model.
+// Light: Phong's model from 1 to 64 directions plus ambient (shading::Phong), computed in linear light, written as
+// sRGB. Faces are lit from both sides: a face seen from behind uses the opposite normal. Nothing is culled. Of a
+// material the base colour, emission, their textures and the alpha mode are drawn; roughness and metalness are not part
+// of Phong's model.
 //
 // Numbers: the scene is moved to its bounding sphere's centre and scaled to radius 1 in double precision before
 // anything becomes float, so extents of 1e-9 or 1e9 and origins far away draw alike.
@@ -21,16 +22,24 @@
 #include <vector>
 
 #include "client/render/image.h"
+#include "client/render/movable_level.h"
 #include "common/base/result.h"
 #include "common/codec/level_codec.h"
 #include "common/mesh/mesh.h"
-#include "common/shading/hybrid_split.h"
+#include "common/shading/phong.h"
 #include "common/shading/view.h"
 
 namespace lodestream::render {
 
 inline constexpr std::uint32_t max_samples = 8;
+inline constexpr std::size_t max_lights = 64;
 inline constexpr std::uint64_t max_texture_texels = 256ull << 20;  // of all images of a level together
+
+// From infinitely far away, white.
+struct Light {
+    Vec3d direction{0.3, 1.0, 0.5};  // towards the light, world axes; any finite length but zero
+    double intensity = 1.0;          // >= 0
+};
 
 struct DrawOptions {
     std::uint32_t width = 800;   // px, >= 1, at most image::max_side and what the driver allows
@@ -42,6 +51,7 @@ struct DrawOptions {
     // scene, and takes its share of the samples: at most samples - 1, and OpenGL ES 3.1 is needed.
     std::vector<shading::View> earlier{};
     shading::Phong phong{};
+    std::vector<Light> lights{};  // at most max_lights; empty: the view's light alone, at intensity 1
 };
 
 struct Frame {
@@ -54,9 +64,10 @@ struct Frame {
 struct UploadStatistics {
     std::uint64_t triangles = 0;
     std::uint64_t gouraud_triangles = 0;
-    std::uint64_t gouraud_vertices = 0;
-    std::uint64_t geometry_bytes = 0;  // vertex and index buffers on the GPU
-    std::uint64_t texture_bytes = 0;   // without mip levels
+    std::uint64_t gouraud_vertices = 0;  // one evaluation of the light each
+    std::uint64_t flat_vertices = 0;     // likewise
+    std::uint64_t geometry_bytes = 0;    // vertex and index buffers on the GPU
+    std::uint64_t texture_bytes = 0;     // without mip levels
 };
 
 // A level as its decoded bytes would be, without encoding it: one primitive a material and shading. Empty `gouraud`:
@@ -79,6 +90,13 @@ class Renderer {
     // memory).
     Result<UploadStatistics> upload(const codec::Decoded& content);
 
+    // The same of a level whose border between Gouraud and flat may move; all Gouraud at first.
+    Result<UploadStatistics> upload(const MovableLevel& level);
+
+    // Draws the first `gouraud` triangles of an uploaded movable level Gouraud and the rest flat (all of them where it
+    // has fewer): sets two ranges a material, uploads nothing. Without a movable level, nothing.
+    void move_split(std::uint64_t gouraud);
+
     // Draws what was uploaded; without an upload, or with an empty one, the background alone.
     // Errors: invalid_input (view, sizes, more earlier moments than samples - 1), limit_exceeded (larger than the driver
     // or the named limits allow), unsupported (earlier moments, and the driver has no sample masks or fewer samples).
@@ -87,6 +105,8 @@ class Renderer {
   private:
     struct Impl;
     explicit Renderer(std::unique_ptr<Impl> impl);
+    template <class Level>
+    Result<UploadStatistics> upload_or_clear(const Level& level);
     std::unique_ptr<Impl> impl_;
 };
 

@@ -21,6 +21,8 @@ bool fits(std::size_t attribute, std::size_t vertices) {
 Status check_mesh(const codec::Primitive& primitive, const std::string& where) {
     const mesh::Mesh& m = primitive.mesh;
     const std::size_t vertices = m.positions.size();
+    if (m.triangles.size() > codec::max_decoded_triangles)
+        return fail(ErrorCode::limit_exceeded, where + ": too many triangles to draw");
     if (!fits(m.normals.size(), vertices) || !fits(m.colors.size(), vertices) ||
         !fits(m.texture_coordinates.size(), vertices))
         return invalid_input(where + ": an attribute is not as long as the positions");
@@ -64,6 +66,45 @@ bool faces_against_normals(const mesh::Mesh& m, const mesh::Triangle& t) {
     const Vec3d face = cross(direction(Vec3d(m.positions[t[1]]) - a), direction(Vec3d(m.positions[t[2]]) - a));
     const Vec3d normals = Vec3d(m.normals[t[0]]) + Vec3d(m.normals[t[1]]) + Vec3d(m.normals[t[2]]);
     return dot(face, normals) < 0.0;
+}
+
+// Which corner of each face lights it.
+struct ProvokingCorners {
+    std::vector<std::uint8_t> corner;         // 0 … 2, one a face
+    std::vector<std::uint32_t> first_vertex;  // of each mesh vertex: the first face that it lights, or where it follows
+    std::vector<std::uint32_t> uncovered;     // mesh vertices that light no face, behind the faces
+};
+
+// A corner that lights no face yet goes first, among several the one that the fewest faces still to come could use.
+ProvokingCorners choose_provoking(const mesh::Mesh& m) {
+    constexpr std::uint32_t unused = ~0u;
+    ProvokingCorners out;
+    out.first_vertex.assign(m.positions.size(), unused);
+    std::vector<std::uint32_t> uses(m.positions.size(), 0);
+    for (const mesh::Triangle& t : m.triangles)
+        for (const std::uint32_t v : t) ++uses[v];
+    const auto price = [&](std::uint32_t v) { return out.first_vertex[v] == unused ? uses[v] : unused; };
+    out.corner.reserve(m.triangles.size());
+    for (std::uint32_t f = 0; f < m.triangles.size(); ++f) {
+        const mesh::Triangle& t = m.triangles[f];
+        const auto best =
+            std::min_element(t.begin(), t.end(), [&](std::uint32_t a, std::uint32_t b) { return price(a) < price(b); });
+        out.corner.push_back(static_cast<std::uint8_t>(best - t.begin()));
+        if (out.first_vertex[*best] == unused) out.first_vertex[*best] = f;
+        for (const std::uint32_t v : t) --uses[v];
+    }
+    for (const mesh::Triangle& t : m.triangles)
+        for (const std::uint32_t v : t) {
+            if (out.first_vertex[v] != unused) continue;
+            out.first_vertex[v] = static_cast<std::uint32_t>(m.triangles.size() + out.uncovered.size());
+            out.uncovered.push_back(v);
+        }
+    return out;
+}
+
+// The same face with `corner` last.
+mesh::Triangle rotated(const mesh::Triangle& t, std::uint8_t corner) {
+    return {t[(corner + 1u) % 3], t[(corner + 2u) % 3], t[corner]};
 }
 
 Mat4d perspective(double tan_half_fov_y, double aspect, double near, double far) {
@@ -182,27 +223,45 @@ Streams gouraud_streams(const mesh::Mesh& mesh, const Placement& placement, bool
 }
 
 Streams flat_streams(const mesh::Mesh& mesh, const Placement& placement, bool textured) {
+    const ProvokingCorners provoking = choose_provoking(mesh);
     Streams s;
     Box box;
-    const std::size_t corners = mesh.triangles.size() * 3;
-    s.positions.reserve(corners + flat_padding);
-    s.positions.resize(flat_padding, Vec3f{0.0f});
-    if (!mesh.colors.empty()) s.colors.reserve(corners);
-    for (const mesh::Triangle& t : mesh.triangles)
-        for (const std::uint32_t v : t) {
-            s.positions.push_back(to_scene(mesh.positions[v], placement));
-            box.add(Vec3d(s.positions.back()));
-            if (!mesh.colors.empty()) s.colors.push_back(mesh.colors[v]);
-            if (textured && !mesh.texture_coordinates.empty())
-                s.texture_coordinates.push_back(finite_or_zero(mesh.texture_coordinates[v]));
-        }
+    const auto add_vertex = [&](std::uint32_t v, const Vec3f& first, const Vec3f& previous) {
+        s.positions.push_back(to_scene(mesh.positions[v], placement));
+        s.first_corners.push_back(first);
+        s.previous_corners.push_back(previous);
+        box.add(Vec3d(s.positions.back()));
+        if (!mesh.colors.empty()) s.colors.push_back(mesh.colors[v]);
+        if (textured && !mesh.texture_coordinates.empty())
+            s.texture_coordinates.push_back(finite_or_zero(mesh.texture_coordinates[v]));
+    };
+    for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+        const mesh::Triangle t = rotated(mesh.triangles[f], provoking.corner[f]);
+        add_vertex(t[2], to_scene(mesh.positions[t[0]], placement), to_scene(mesh.positions[t[1]], placement));
+    }
+    for (const std::uint32_t v : provoking.uncovered) add_vertex(v, Vec3f{0.0f}, Vec3f{0.0f});
+
+    std::vector<std::uint32_t> vertex_at = provoking.first_vertex;
+    s.indices.reserve(mesh.triangles.size() * 3);
+    for (std::uint32_t f = 0; f < mesh.triangles.size(); ++f) {
+        const mesh::Triangle t = rotated(mesh.triangles[f], provoking.corner[f]);
+        vertex_at[t[2]] = f;
+        s.indices.insert(s.indices.end(), {vertex_at[t[0]], vertex_at[t[1]], f});
+    }
     s.center = box.center();
     return s;
 }
 
+std::vector<Vec4f> lights_of(const shading::View& view, const DrawOptions& options) {
+    std::vector<Vec4f> lights;
+    for (const Light& light : options.lights)
+        lights.emplace_back(Vec3f(direction(light.direction)), static_cast<float>(light.intensity));
+    if (lights.empty()) lights.emplace_back(Vec3f(direction(view.light)), 1.0f);
+    return lights;
+}
+
 Camera make_camera(const shading::View& view, const Vec3d& origin, const Placement& placement, double aspect) {
     Camera camera;
-    camera.to_light = Vec3f(direction(view.light));
     camera.forward = direction(view.target * 0.25 - view.eye * 0.25);
     const Vec3d eye = ((view.eye - origin) - placement.center) / placement.radius;
     const double distance = std::hypot(eye.x, eye.y, eye.z);

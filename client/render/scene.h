@@ -22,18 +22,19 @@ Status check_drawable(const codec::Decoded& content);
 // Vertex streams of a primitive; an attribute that is not drawn is empty.
 struct Streams {
     std::vector<Vec3f> positions;
-    std::vector<Vec3f> normals;
+    std::vector<Vec3f> normals;                          // Gouraud
+    std::vector<Vec3f> first_corners, previous_corners;  // flat: the other two corners of the face that a vertex lights
     std::vector<Rgba8> colors;
     std::vector<Vec2f> texture_coordinates;
-    std::vector<std::uint32_t> indices;  // empty: corners in order, three a face
+    std::vector<std::uint32_t> indices;  // three a face, in the mesh's order
     Vec3d center{0.0};                   // of the positions' box, for sorting what is blended
 };
 
-inline constexpr std::size_t flat_padding = 2;  // vertices in front of a flat primitive's first corner
-
-// Indexed, each triangle wound so that its front is the side that its normals point to.
+// Each triangle wound so that its front is the side that its normals point to.
 Streams gouraud_streams(const mesh::Mesh& mesh, const Placement& placement, bool textured);
-// Corner after corner; `positions` has flat_padding extra entries in front.
+// Vertex f lights face f and is its last, provoking corner; as the other two serve vertices of other faces at their
+// places, the ones drawn last where there is a choice. Places that no face lights from follow behind the faces. So a
+// primitive has as many vertices as faces, or a few more.
 Streams flat_streams(const mesh::Mesh& mesh, const Placement& placement, bool textured);
 
 struct Camera {
@@ -41,8 +42,10 @@ struct Camera {
     Mat4f clip_from_scene{1.0f};
     Vec3f eye{0.0f};  // scene coordinates
     Vec3d forward{0.0};
-    Vec3f to_light{0.0f};  // unit length
 };
+
+// Unit directions and intensities of the options' lights, or of the view's one; x, y, z, intensity.
+std::vector<Vec4f> lights_of(const shading::View& view, const DrawOptions& options);
 
 // pre: validate(view) succeeded
 Camera make_camera(const shading::View& view, const Vec3d& origin, const Placement& placement, double aspect);

@@ -1,9 +1,12 @@
 // The one pair of shaders, compiled with and without FLAT; private to this folder.
 #pragma once
 
+#include "client/render/renderer.h"
+
 namespace lodestream::render {
 
-inline constexpr const char* shader_version = "#version 300 es\n";
+inline constexpr const char* shader_version = "#version 300 es\n#define MAX_LIGHTS 64\n";
+static_assert(max_lights == 64);
 
 // gl_Position is invariant, so Gouraud and flat primitives that share a border cover it without cracks.
 inline constexpr const char* vertex_shader = R"(
@@ -23,7 +26,8 @@ out vec4 v_color;
 out vec2 v_texture_coordinate;
 uniform mat4 u_clip_from_scene;
 uniform vec3 u_eye;
-uniform vec3 u_to_light;
+uniform vec4 u_lights[MAX_LIGHTS];  // direction towards the light, intensity
+uniform int u_light_count;
 uniform vec4 u_phong;  // ambient, diffuse, specular, shininess
 uniform vec4 u_base_color;
 invariant gl_Position;
@@ -35,12 +39,17 @@ vec3 unit_or_zero(vec3 v) {
 
 // The reflection is the same for a normal and its opposite, so a back side costs no second evaluation.
 vec4 light_both_sides(vec3 normal, vec3 position) {
-    float lambert = dot(normal, u_to_light);
-    vec3 reflected = 2.0 * lambert * normal - u_to_light;
-    float highlight = max(dot(reflected, unit_or_zero(u_eye - position)), 0.0);
-    float specular = highlight > 0.0 ? u_phong.z * pow(highlight, u_phong.w) : 0.0;
-    return vec4(u_phong.x + u_phong.y * max(lambert, 0.0), lambert > 0.0 ? specular : 0.0,
-                u_phong.x + u_phong.y * max(-lambert, 0.0), lambert < 0.0 ? specular : 0.0);
+    vec3 to_eye = unit_or_zero(u_eye - position);
+    vec4 sum = vec4(u_phong.x, 0.0, u_phong.x, 0.0);
+    for (int i = 0; i < u_light_count; ++i) {
+        vec3 to_light = u_lights[i].xyz;
+        float lambert = dot(normal, to_light);
+        float highlight = max(dot(2.0 * lambert * normal - to_light, to_eye), 0.0);
+        float specular = highlight > 0.0 ? u_phong.z * pow(highlight, u_phong.w) : 0.0;
+        sum += u_lights[i].w * vec4(u_phong.y * max(lambert, 0.0), lambert > 0.0 ? specular : 0.0,
+                                    u_phong.y * max(-lambert, 0.0), lambert < 0.0 ? specular : 0.0);
+    }
+    return sum;
 }
 
 void main() {
@@ -48,13 +57,10 @@ void main() {
     v_color = u_base_color * a_color;
     v_texture_coordinate = a_texture_coordinate;
 #ifdef FLAT
-    v_light = vec2(0.0);
-    if (gl_VertexID % 3 == 2) {
-        vec3 center = (a_first_corner + a_previous_corner + a_position) / 3.0;
-        vec3 normal = unit_or_zero(cross(a_previous_corner - a_first_corner, a_position - a_first_corner));
-        vec4 light = light_both_sides(normal, center);
-        v_light = dot(normal, u_eye - center) >= 0.0 ? light.xy : light.zw;
-    }
+    vec3 center = (a_first_corner + a_previous_corner + a_position) / 3.0;
+    vec3 normal = unit_or_zero(cross(a_previous_corner - a_first_corner, a_position - a_first_corner));
+    vec4 light = light_both_sides(normal, center);
+    v_light = dot(normal, u_eye - center) >= 0.0 ? light.xy : light.zw;
 #else
     v_light = light_both_sides(unit_or_zero(a_normal), a_position);
 #endif

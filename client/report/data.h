@@ -79,6 +79,29 @@ struct SplitStep {
     ModeResult result;
 };
 
+// The paper's Table 3 on the full model, counted where the operations are done.
+struct CountedOperations {
+    std::uint64_t triangles = 0;
+    std::uint64_t differing = 0;  // triangles whose corners' intensities differ
+    std::uint64_t criterion = 0;
+    std::uint64_t all_flat = 0, all_gouraud = 0;     // with the criterion, as in the table
+    std::uint64_t hybrid = 0;                        // 2.8 % of the triangles Gouraud: the text's reading
+    std::optional<std::uint64_t> hybrid_as_printed;  // 179 flat, 4,421 Gouraud; of 6,400 triangles alone
+};
+
+// One drawn split of one level against the full model, same view, lights and pixels.
+struct ShadingSample {
+    std::string series;     // "lights", "criteria", "equal operations", "equal bytes"
+    std::string criterion;  // "paper", "importance", "importance from anywhere"; empty: nothing was chosen
+    std::uint32_t lights = 1;
+    budget::Display display;
+    double distance = 0.0;        // share of flat triangles; of "lights" and "criteria"
+    double share_of_price = 0.0;  // triangles over what all flat affords; of "equal operations"
+    std::uint64_t triangles = 0;
+    std::uint64_t operations = 0;  // f + 4g
+    ModeResult result;             // times and bytes that the series does not measure are 0
+};
+
 // What a device shows beside the full model, and their difference; thumbnails as PNG.
 struct Picture {
     std::string device;
@@ -97,6 +120,8 @@ struct AssetResult {
     std::vector<LadderLevel> ladder;
     std::vector<SplitStep> split;
     std::string split_device;  // whose budget and display the split was measured with
+    CountedOperations operations;
+    std::vector<ShadingSample> shading;
     std::vector<Picture> pictures;
 };
 

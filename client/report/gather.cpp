@@ -9,6 +9,7 @@
 #include "client/render/image.h"
 #include "client/report/measure_frame_rate.h"
 #include "client/report/pictures.h"
+#include "client/report/shading_study.h"
 #include "client/report/text.h"
 
 namespace lodestream::report {
@@ -83,6 +84,7 @@ struct Reference {
     shading::View view;
     Box bounds;
     std::vector<render::Image> images;  // one a device class
+    std::vector<Setting> settings;      // of the shading study
 };
 
 struct Fetched {
@@ -249,6 +251,10 @@ Result<Reference> Gatherer::measure_full_model(AssetResult& result) {
         if (!drawn) return drawn.error();
         reference.images.push_back(std::move(drawn->image));
     }
+    Result<std::vector<Setting>> settings = study_settings(renderer_, reference.view, options_.quick);
+    if (!settings) return settings.error();
+    reference.settings = *std::move(settings);
+    result.operations = count_operations(full->content, reference.view);
     return reference;
 }
 
@@ -418,6 +424,10 @@ Result<AssetResult> Gatherer::measure_asset(const proto::Asset& listed) {
     }
     if (Status going_on = begin(listed.name + ": split"); !going_on) return going_on.error();
     if (Status split = measure_split(result, *reference); !split) problem(listed.name + ", split", split.error());
+    if (Status going_on = begin(listed.name + ": shading"); !going_on) return going_on.error();
+    const StudyOptions study{result.asset.id, reference->view, effort_.frames, options_.quick};
+    if (Status studied = study_shading(client_, renderer_, reference->settings, study, result); !studied)
+        problem(listed.name + ", shading", studied.error());
     if (Status saved = save_composite(result); !saved) problem(listed.name, saved.error());
     if (result.devices.empty()) return fail(ErrorCode::unavailable, "no device class could be measured");
     return result;

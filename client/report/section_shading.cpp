@@ -1,4 +1,5 @@
 #include "client/report/section_rows.h"
+#include "client/report/shading_study.h"
 
 #include <algorithm>
 
@@ -7,24 +8,32 @@
 namespace lodestream::report {
 namespace {
 
+// A measured level, or a sample of the study.
 struct ShadingRow {
     const AssetResult* asset = nullptr;
     std::string device;
-    std::string series;  // "devices" or "split"
-    double distance = 0.0;
-    std::uint64_t triangles = 0;
-    const ModeResult* result = nullptr;
+    ShadingSample sample;
 };
 
 std::vector<ShadingRow> shading_rows(const ReportData& data) {
     std::vector<ShadingRow> rows;
+    const auto add = [&](const AssetResult& asset, const std::string& device, const char* series, double distance,
+                         std::uint64_t triangles, const ModeResult& result) {
+        ShadingSample sample;
+        sample.series = series;
+        sample.distance = distance;
+        sample.triangles = triangles;
+        sample.operations = budget::with_shading(0, result.gouraud, result.flat).total;
+        sample.result = result;
+        rows.push_back({&asset, device, std::move(sample)});
+    };
     for (const AssetResult& asset : data.assets) {
         for (const DeviceResult& device : asset.devices)
             for (const ModeResult& mode : device.modes)
-                rows.push_back({&asset, device.device, "devices", device.plan.shading.distance,
-                                device.plan.level.triangles, &mode});
+                add(asset, device.device, "devices", device.plan.shading.distance, device.plan.level.triangles, mode);
         for (const SplitStep& step : asset.split)
-            rows.push_back({&asset, asset.split_device, "split", step.distance, step.triangles, &step.result});
+            add(asset, asset.split_device, "split", step.distance, step.triangles, step.result);
+        for (const ShadingSample& sample : asset.shading) rows.push_back({&asset, "", sample});
     }
     return rows;
 }
@@ -77,9 +86,181 @@ double percent_of_all_gouraud(const AssetResult& asset, const SplitStep& step) {
     return share_percent(static_cast<double>(step.result.bytes), static_cast<double>(gouraud_of(*device).bytes));
 }
 
+// The samples of a series, in their order.
+std::vector<const ShadingSample*> samples_of(const AssetResult& asset, const std::string& series,
+                                             const std::string& criterion) {
+    std::vector<const ShadingSample*> out;
+    for (const ShadingSample& sample : asset.shading)
+        if (sample.series == series && sample.criterion == criterion) out.push_back(&sample);
+    return out;
+}
+
+// What each shading mode makes of the same price in the paper's operations.
+struct EqualCost {
+    const AssetResult* asset = nullptr;
+    std::uint64_t operations = 0;
+    double gouraud = not_known, flat = not_known, hybrid = not_known, hybrid_paper = not_known;  // image error, %
+    double gouraud_at_flats_bytes = not_known;
+    double flat_sent = not_known;  // its opponent there
+
+    bool hybrid_wins() const { return hybrid < gouraud && hybrid < flat; }
+};
+
+EqualCost equal_cost(const AssetResult& asset) {
+    EqualCost row{&asset};
+    for (const ShadingSample& sample : asset.shading) {
+        const double error = sample.result.image.percent;
+        if (sample.series == "equal bytes")
+            (sample.result.flat > 0 ? row.flat_sent : row.gouraud_at_flats_bytes) = error;
+        if (sample.series != "equal operations") continue;
+        const bool chosen = sample.share_of_price == hybrid_share;
+        if (sample.share_of_price >= 1.0) {
+            row.flat = error;
+            row.operations = sample.operations;
+        } else if (chosen) {
+            (sample.criterion == "paper" ? row.hybrid_paper : row.hybrid) = error;
+        } else if (sample.share_of_price <= 0.25) {
+            row.gouraud = error;
+        }
+    }
+    return row;
+}
+
+std::vector<EqualCost> equal_costs(const ReportData& data) {
+    std::vector<EqualCost> rows;
+    for (const AssetResult& asset : data.assets)
+        if (!asset.shading.empty()) rows.push_back(equal_cost(asset));
+    return rows;
+}
+
+// Error over where the price goes, as a share of the better of the two pure modes: below 100 hybrid pays.
+Plot price_plot(const ReportData& data) {
+    Plot plot{"The same price: from all Gouraud (left) to all flat (right)",
+              {"triangles, share of what all flat affords"},
+              {"error of the picture, % of the better pure mode"},
+              {},
+              {{hybrid_share, "hybrid"}}};
+    for (std::size_t i = 0; i < data.assets.size(); ++i) {
+        const EqualCost ends = equal_cost(data.assets[i]);
+        Series series{data.assets[i].asset.name, {}, true, true, false, i};
+        for (const ShadingSample* sample : samples_of(data.assets[i], "equal operations", "importance"))
+            series.points.push_back({sample->share_of_price,
+                                     share_percent(sample->result.image.percent, std::min(ends.gouraud, ends.flat)),
+                                     series.name + ": " + format_count(sample->result.gouraud) + " Gouraud and " +
+                                         format_count(sample->result.flat) + " flat, error " +
+                                         format_number(sample->result.image.percent) + " %"});
+        if (!series.points.empty()) plot.series.push_back(std::move(series));
+    }
+    return plot;
+}
+
+Plot lights_plot(const AssetResult& asset) {
+    Plot plot{asset.asset.name + ": error against frame time as the border moves from all Gouraud to all flat",
+              {"frame, ms", AxisScale::logarithmic},
+              {"error of the picture, %"},
+              {},
+              {}};
+    std::vector<Series> series;
+    std::vector<std::string> names;
+    for (const ShadingSample* sample : samples_of(asset, "lights", "importance from anywhere")) {
+        const std::string name = std::to_string(sample->lights) + (sample->lights == 1 ? " light, " : " lights, ") +
+                                 display_text(sample->display);
+        if (names.empty() || names.back() != name) {
+            names.push_back(name);
+            series.push_back({name, {}, true, true, false, series.size()});
+        }
+        series.back().points.push_back({sample->result.frame_ms, sample->result.image.percent,
+                                        name + ", d = " + format_number(sample->distance) + ", " +
+                                            format_duration(sample->result.frame_ms) + ", error " +
+                                            format_number(sample->result.image.percent) + " %"});
+    }
+    plot.series = std::move(series);
+    return plot;
+}
+
+Plot criteria_plot(const AssetResult& asset) {
+    Plot plot{asset.asset.name + ": which triangles are flat",
+              {"d: share of flat triangles"},
+              {"error of the picture, %"},
+              {},
+              {}};
+    for (const char* criterion : {"paper", "importance", "importance from anywhere"}) {
+        Series series{criterion, {}, true, true, false, plot.series.size()};
+        for (const ShadingSample* sample : samples_of(asset, "criteria", criterion))
+            series.points.push_back({sample->distance, sample->result.image.percent,
+                                     series.name + ", d = " + format_number(sample->distance) + ", error " +
+                                         format_number(sample->result.image.percent) + " %"});
+        if (!series.points.empty()) plot.series.push_back(std::move(series));
+    }
+    return plot;
+}
+
+Cell known(std::uint64_t count) {
+    return count > 0 ? Cell(count) : Cell();
+}
+
+// What a reader wants of all the rows: one a model.
+Table equal_cost_table(const std::vector<EqualCost>& rows) {
+    return table_of<EqualCost>(
+        rows, {{"asset", "model", [](const auto& r) { return r.asset->asset.name; }},
+               {"operations", "price", [](const auto& r) { return r.operations; }},
+               {"gouraud_percent", "all Gouraud %", [](const auto& r) { return r.gouraud; }},
+               {"flat_percent", "all flat %", [](const auto& r) { return r.flat; }},
+               {"hybrid_percent", "hybrid %", [](const auto& r) { return r.hybrid; }},
+               {"hybrid_paper_percent", "the paper’s choice %", [](const auto& r) { return r.hybrid_paper; }},
+               {"hybrid_wins", "hybrid best", [](const auto& r) { return r.hybrid_wins() ? "yes" : "no"; }},
+               {"flat_sent_percent", "flat as sent %", [](const auto& r) { return r.flat_sent; }},
+               {"gouraud_at_flats_bytes_percent", "Gouraud, same bytes %",
+                [](const auto& r) { return r.gouraud_at_flats_bytes; }},
+               {"criterion_operations", "criterion", [](const auto& r) { return r.asset->operations.criterion; }},
+               {"flat_operations", "flat", [](const auto& r) { return r.asset->operations.all_flat; }},
+               {"gouraud_operations", "Gouraud", [](const auto& r) { return r.asset->operations.all_gouraud; }},
+               {"hybrid_operations", "hybrid", [](const auto& r) { return r.asset->operations.hybrid; }},
+               {"hybrid_as_printed_operations", "as printed",
+                [](const auto& r) { return known(r.asset->operations.hybrid_as_printed.value_or(0)); }}});
+}
+
+std::string equal_cost_sentence(const std::vector<EqualCost>& rows) {
+    std::size_t wins = 0, better = 0, bytes = 0;
+    for (const EqualCost& row : rows) {
+        wins += row.hybrid_wins() ? 1 : 0;
+        better += row.hybrid <= row.hybrid_paper ? 1 : 0;
+        bytes += row.gouraud_at_flats_bytes < row.flat_sent ? 1 : 0;
+    }
+    if (rows.empty()) return "";
+    const std::string of = " of " + std::to_string(rows.size());
+    return "<p>For the same price in the paper’s operations (flat 1, Gouraud 4 a triangle) hybrid’s picture is nearer "
+           "to the full model’s than all flat and all Gouraud, each with what it affords, on <strong>" +
+           std::to_string(wins) + of +
+           "</strong> models. Hybrid then shows seven eighths of the triangles that all flat could, and the most "
+           "important twenty-first of them smooth. Its choice (the greatest difference over all lights, times the area "
+           "seen) "
+           "is at least as good as the paper’s (differing corners, then size) on " +
+           std::to_string(better) + of +
+           ". For the same bytes instead, all Gouraud with fewer triangles beats all flat on " + std::to_string(bytes) +
+           of + ".</p>";
+}
+
+// What the border costs on this renderer.
+std::string time_sentence(const ReportData& data) {
+    double smooth = 0.0, flat = 0.0;
+    for (const AssetResult& asset : data.assets)
+        for (const ShadingSample* sample : samples_of(asset, "lights", "importance from anywhere")) {
+            if (sample->lights != 64) continue;
+            if (sample->distance == 0.0) smooth += sample->result.frame_ms;
+            if (sample->distance == 1.0) flat += sample->result.frame_ms;
+        }
+    if (!(smooth > 0.0)) return "";
+    return "<p>Under 64 lights all flat takes " + format_number(100.0 * flat / smooth) +
+           " % of the frame time of the same triangles all Gouraud: vertices are shared, so Gouraud lights about half "
+           "as "
+           "many points as there are faces, and flat one a face.</p>";
+}
+
 }  // namespace
 
 Section shading_section(const ReportData& data) {
+    const std::vector<EqualCost> costs = equal_costs(data);
     Section section{"shading", "Gouraud, flat, and both at once", {}, {}, {}, {}, {}};
     section.text_html =
         "<p><dfn>Gouraud</dfn> shading lights the corners of a triangle and blends between them; <dfn>flat</dfn> "
@@ -89,7 +270,16 @@ Section shading_section(const ReportData& data) {
         "where either of the two shows the object. " +
         between_sentence(device_rows(data)) +
         "</p><p>Each point of the first plots is one device class. The plots over d hold the triangles and the "
-        "drawn view fixed and change only the split; d = 0 is all Gouraud, d = 1 all flat.</p>";
+        "drawn view fixed and change only the split; d = 0 is all Gouraud, d = 1 all flat.</p>" +
+        equal_cost_sentence(costs) + time_sentence(data) +
+        "<p>The table: the price and the errors that it buys; flat against Gouraud at the same bytes; and the paper’s "
+        "Table 3 counted on the full model, where “as printed” is the row that adds up to 4,600 polygons.</p>";
+    if (!costs.empty()) section.plots.push_back(price_plot(data));
+    for (const AssetResult& asset : data.assets) {
+        if (asset.shading.empty()) continue;
+        section.plots.push_back(lights_plot(asset));
+        section.plots.push_back(criteria_plot(asset));
+    }
     for (const AssetResult& asset : data.assets) section.plots.push_back(mode_plot(asset));
     const bool has_split =
         std::any_of(data.assets.begin(), data.assets.end(), [](const auto& a) { return !a.split.empty(); });
@@ -102,21 +292,29 @@ Section shading_section(const ReportData& data) {
         section.plots.push_back(split_plot(data, "Frame time over the split", "frame, ms",
                                            [](const auto&, const SplitStep& step) { return step.result.frame_ms; }));
     }
+    if (!costs.empty()) section.shown = equal_cost_table(costs);
     section.rows = table_of<ShadingRow>(
         shading_rows(data),
         {{"asset", "model", [](const auto& r) { return r.asset->asset.name; }},
          {"device", "device", [](const auto& r) { return r.device; }},
-         {"series", "series", [](const auto& r) { return r.series; }},
-         {"shading", "shading", [](const auto& r) { return proto::shading_mode_name(r.result->mode); }},
-         {"distance", "d", [](const auto& r) { return r.distance; }},
-         {"triangles", "triangles", [](const auto& r) { return r.triangles; }},
-         {"gouraud", "Gouraud", [](const auto& r) { return r.result->gouraud; }},
-         {"flat", "flat", [](const auto& r) { return r.result->flat; }},
-         {"bytes", "bytes", [](const auto& r) { return r.result->bytes; }},
-         {"gpu_bytes", "bytes on the GPU", [](const auto& r) { return r.result->gpu_bytes; }},
-         {"image_error_percent", "picture’s error %", [](const auto& r) { return r.result->image.percent; }},
-         {"silhouette_percent", "outline differs %", [](const auto& r) { return r.result->image.silhouette_percent; }},
-         {"frame_ms", "frame ms", [](const auto& r) { return r.result->frame_ms; }}});
+         {"series", "series", [](const auto& r) { return r.sample.series; }},
+         {"criterion", "criterion", [](const auto& r) { return r.sample.criterion; }},
+         {"lights", "lights", [](const auto& r) { return std::uint64_t{r.sample.lights}; }},
+         {"width", "width", [](const auto& r) { return known(r.sample.display.width); }},
+         {"height", "height", [](const auto& r) { return known(r.sample.display.height); }},
+         {"shading", "shading", [](const auto& r) { return proto::shading_mode_name(r.sample.result.mode); }},
+         {"distance", "d", [](const auto& r) { return r.sample.distance; }},
+         {"triangles", "triangles", [](const auto& r) { return r.sample.triangles; }},
+         {"gouraud", "Gouraud", [](const auto& r) { return r.sample.result.gouraud; }},
+         {"flat", "flat", [](const auto& r) { return r.sample.result.flat; }},
+         {"operations", "operations", [](const auto& r) { return r.sample.operations; }},
+         {"bytes", "bytes", [](const auto& r) { return known(r.sample.result.bytes); }},
+         {"gpu_bytes", "bytes on the GPU", [](const auto& r) { return known(r.sample.result.gpu_bytes); }},
+         {"image_error_percent", "picture’s error %", [](const auto& r) { return r.sample.result.image.percent; }},
+         {"silhouette_percent", "outline differs %",
+          [](const auto& r) { return r.sample.result.image.silhouette_percent; }},
+         {"frame_ms", "frame ms",
+          [](const auto& r) { return r.sample.result.frame_ms > 0.0 ? Cell(r.sample.result.frame_ms) : Cell(); }}});
     return section;
 }
 

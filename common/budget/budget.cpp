@@ -189,9 +189,8 @@ Result<Budget> derive_budget(const Request& request, const AssetCost& asset) {
     return budget;
 }
 
-Operations operations(std::uint64_t gouraud, std::uint64_t flat) {
-    const std::uint64_t criterion = 9 * (gouraud + flat);
-    return {criterion, criterion + flat + 4 * gouraud};
+Operations with_shading(std::uint64_t criterion, std::uint64_t gouraud, std::uint64_t flat) {
+    return {criterion, criterion + flat_operations * flat + gouraud_operations * gouraud};
 }
 
 }  // namespace lodestream::budget

@@ -117,11 +117,14 @@ Status validate(const Request& request);
 // Fails where validate() fails; extreme but valid numbers saturate at max_triangles.
 Result<Budget> derive_budget(const Request& request, const AssetCost& asset);
 
-// Table 3: operations of the paper's model for n polygons of which g are Gouraud shaded.
+// Table 3's prices, a polygon.
+inline constexpr std::uint64_t flat_operations = 1;
+inline constexpr std::uint64_t gouraud_operations = 4;
+
 struct Operations {
-    std::uint64_t criterion = 0;  // 9n
-    std::uint64_t total = 0;      // 9n + f + 4g
+    std::uint64_t criterion = 0;  // counted where the criterion runs (common/shading/operation_counts.h)
+    std::uint64_t total = 0;      // and what drawing adds: f + 4g
 };
-Operations operations(std::uint64_t gouraud, std::uint64_t flat);
+Operations with_shading(std::uint64_t criterion, std::uint64_t gouraud, std::uint64_t flat);
 
 }  // namespace lodestream::budget

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/mesh/operations.h"
+#include "common/shading/numbers.h"
 
 namespace lodestream::shading {
 namespace {
@@ -22,67 +23,6 @@ constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 // free borders did so on five of seven.
 constexpr double border_price = 1.0;
 constexpr int max_smoothing_passes = 16;
-
-double finite_or_zero(double x) {
-    return std::isfinite(x) ? x : 0.0;
-}
-
-Vec3d unit_or_zero(const Vec3d& v) {
-    const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    if (!std::isfinite(largest) || largest == 0.0) return Vec3d(0.0);
-    return glm::normalize(v / largest);
-}
-
-// What falls on a vertex, before colour: a channel's intensity is colour * tinted + white.
-struct Lighting {
-    double tinted = 0.0;
-    double white = 0.0;
-};
-
-std::vector<Lighting> light_vertices(const mesh::Mesh& mesh, const View& view, const Vec3d& origin,
-                                     const Phong& phong) {
-    std::vector<Lighting> lighting(mesh.positions.size());
-    const Vec3d light = unit_or_zero(view.light);
-    for (std::size_t v = 0; v < lighting.size(); ++v) {
-        const Vec3d normal = v < mesh.normals.size() ? unit_or_zero(Vec3d(mesh.normals[v])) : Vec3d(0.0);
-        const Vec3d to_eye = unit_or_zero(view.eye - (origin + Vec3d(mesh.positions[v])));
-        const double incidence = std::max(0.0, glm::dot(normal, light));
-        const Vec3d mirrored = 2.0 * incidence * normal - light;
-        const double highlight = incidence > 0.0 ? std::max(0.0, glm::dot(mirrored, to_eye)) : 0.0;
-        lighting[v].tinted = finite_or_zero(phong.ambient + phong.diffuse * incidence);
-        lighting[v].white =
-            highlight > 0.0 ? finite_or_zero(phong.specular * std::pow(highlight, phong.shininess)) : 0.0;
-    }
-    return lighting;
-}
-
-double intensity(const Lighting& lighting, const Vec3d& color) {
-    double sum = 0.0;
-    for (int c = 0; c < 3; ++c)
-        sum += std::clamp(finite_or_zero(color[c] * lighting.tinted + lighting.white), 0.0, 1.0);
-    return sum;
-}
-
-// Largest less smallest intensity of the triangle's corners.
-double intensity_difference(const mesh::Mesh& mesh, std::size_t triangle, const std::vector<mesh::Material>& materials,
-                            const std::vector<Lighting>& lighting) {
-    const std::uint32_t material = material_of(mesh, triangle);
-    const Vec3d base = material < materials.size() ? Vec3d(materials[material].base_color) : Vec3d(1.0);
-    double low = 3.0, high = 0.0;
-    for (const std::uint32_t v : mesh.triangles[triangle]) {
-        const Vec3d color = mesh.colors.empty() ? base : base * Vec3d(mesh.colors[v]) / 255.0;
-        const double value = intensity(lighting[v], color);
-        low = std::min(low, value);
-        high = std::max(high, value);
-    }
-    return high - low;
-}
-
-double perimeter(const mesh::Mesh& mesh, const mesh::Triangle& t) {
-    double sum = 0.0;
-    for (int i = 0; i < 3; ++i) sum += glm::length(Vec3d(mesh.positions[t[i]]) - Vec3d(mesh.positions[t[(i + 1) % 3]]));
-    return finite_or_zero(sum);
-}
 
 Vec3d centroid(const mesh::Mesh& mesh, const mesh::Triangle& triangle) {
     Vec3d sum(0.0);
@@ -376,26 +316,6 @@ std::vector<std::uint8_t> split_by_regions(const mesh::Mesh& mesh, const std::ve
 std::uint64_t gouraud_count(std::uint64_t triangles, double d) {
     const double share = 1.0 - std::clamp(finite_or_zero(d), 0.0, 1.0);
     return std::min(triangles, static_cast<std::uint64_t>(std::floor(share * static_cast<double>(triangles) + 0.5)));
-}
-
-std::vector<std::uint32_t> paper_order(const mesh::Mesh& mesh, const std::vector<mesh::Material>& materials,
-                                       const View& view, const Vec3d& origin, const Phong& phong) {
-    const std::vector<Lighting> lighting = light_vertices(mesh, view, origin, phong);
-    struct Merit {
-        bool differs;
-        double perimeter;
-    };
-    std::vector<Merit> merits;
-    merits.reserve(mesh.triangles.size());
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        merits.push_back({intensity_difference(mesh, t, materials, lighting) > barely_different,
-                          perimeter(mesh, mesh.triangles[t])});
-    std::vector<std::uint32_t> order(mesh.triangles.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return std::tie(merits[a].differs, merits[a].perimeter) > std::tie(merits[b].differs, merits[b].perimeter);
-    });
-    return order;
 }
 
 std::vector<std::uint8_t> coherent_split(const mesh::Mesh& mesh, const std::vector<std::uint32_t>& order,

@@ -54,14 +54,17 @@ std::uint32_t distance_steps(double dlr) {
     return std::clamp(static_cast<std::uint32_t>(steps), min_distance_steps, max_distance_steps);
 }
 
-double distance_level(const View& view, const Box& world_bounds, const budget::Display& display, std::uint32_t steps) {
+double continuous_distance(const View& view, const Box& world_bounds, const budget::Display& display) {
     const double distance = relative_distance(view, world_bounds);
     const double farthest = height_of(display) / (far_diameter_px * std::tan(half_fov(view)));  // in radii
     if (distance <= 1.0) return 0.0;
     if (farthest <= 1.0 || distance >= farthest) return 1.0;
-    const double raw = std::log(distance) / std::log(farthest);
+    return std::clamp(std::log(distance) / std::log(farthest), 0.0, 1.0);
+}
+
+double distance_level(const View& view, const Box& world_bounds, const budget::Display& display, std::uint32_t steps) {
     const double count = std::max<std::uint32_t>(steps, 1);
-    return std::clamp(std::ceil(raw * count - 1e-9) / count, 0.0, 1.0);
+    return std::clamp(std::ceil(continuous_distance(view, world_bounds, display) * count - 1e-9) / count, 0.0, 1.0);
 }
 
 double pixels_per_unit(const View& view, const Box& world_bounds, const budget::Display& display) {

@@ -32,7 +32,9 @@ View framing_view(const Box& world_bounds);
 std::uint32_t distance_steps(double dlr);
 
 // The paper's d in [0,1]: 0 with the eye on the bounding sphere or inside, 1 where the sphere is far_diameter_px tall;
-// logarithmic between (each halving of the size counts alike), then rounded up to the next of `steps` steps.
+// logarithmic between (each halving of the size counts alike).
+double continuous_distance(const View& view, const Box& world_bounds, const budget::Display& display);
+// The same, rounded up to the next of `steps` steps.
 double distance_level(const View& view, const Box& world_bounds, const budget::Display& display, std::uint32_t steps);
 
 // Pixels that one model unit covers at the nearest point of the bounding sphere; finite for any eye (one at or inside

@@ -4,12 +4,13 @@
 #include <array>
 
 #include "common/shading/hybrid_split.h"
+#include "common/shading/importance.h"
 
 namespace lodestream::planner {
 
 namespace {
 
-// Regions of the split, from the closest to the paper's own order to the cheapest border.
+// Regions of the split, from the closest to the order of importance to the cheapest border.
 constexpr std::array<std::uint32_t, 4> region_counts{64, 16, 4, 1};
 
 // What stays the same from one try to the next.
@@ -18,6 +19,7 @@ struct Job {
     const mesh::Mesh& level;
     const codec::EncodeOptions& options;
     const Extras& extras;
+    std::uint64_t criterion_operations;
 };
 
 proto::ShadingMode mode_of(std::uint64_t gouraud, std::uint64_t flat) {
@@ -30,6 +32,7 @@ Result<EncodedSplit> encode_with(const Job& job, const std::vector<std::uint8_t>
     result.gouraud = static_cast<std::uint64_t>(std::count(gouraud.begin(), gouraud.end(), std::uint8_t{1}));
     result.flat = gouraud.size() - result.gouraud;
     result.mode = mode_of(result.gouraud, result.flat);
+    result.criterion_operations = job.criterion_operations;
 
     codec::EncodeOptions options = job.options;
     options.extras_json = job.extras(result);
@@ -55,7 +58,9 @@ std::uint64_t wanted_gouraud(const SplitRequest& request, std::uint64_t triangle
 
 Result<EncodedSplit> encode_split(const mesh::Model& model, const mesh::Mesh& level, const SplitRequest& request,
                                   const codec::EncodeOptions& options, const Extras& extras) {
-    const Job job{model, level, options, extras};
+    const shading::Importance importance =
+        shading::importance(level, model.materials, {.view = request.view, .origin = model.origin});
+    const Job job{model, level, options, extras, importance.operations.criterion()};
     const std::size_t triangles = level.triangles.size();
     const std::uint64_t gouraud = wanted_gouraud(request, triangles);
     if (gouraud == 0) return encode_with(job, std::vector<std::uint8_t>(triangles, 0));
@@ -64,7 +69,7 @@ Result<EncodedSplit> encode_split(const mesh::Model& model, const mesh::Mesh& le
     if (!all_gouraud || gouraud == triangles) return all_gouraud;
     const std::uint64_t bytes_allowed = all_gouraud->encoded.glb.size();
 
-    const std::vector<std::uint32_t> order = shading::paper_order(level, model.materials, request.view, model.origin);
+    const std::vector<std::uint32_t> order = shading::order_by_importance(importance.error);
     for (const std::uint32_t regions : region_counts) {
         Result<EncodedSplit> hybrid = encode_with(job, shading::coherent_split(level, order, gouraud, regions));
         if (!hybrid || hybrid->encoded.glb.size() <= bytes_allowed) return hybrid;

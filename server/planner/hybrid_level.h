@@ -26,13 +26,15 @@ struct EncodedSplit {
     std::uint64_t gouraud = 0;
     std::uint64_t flat = 0;
     proto::ShadingMode mode = proto::ShadingMode::hybrid;  // what became of it
+    std::uint64_t criterion_operations = 0;                // counted while the triangles were judged
 };
 
 // The JSON that a level carries in its extras, from the split's counts and mode (its `encoded` is still empty then).
 using Extras = std::function<std::string(const EncodedSplit&)>;
 
-// `model` gives materials, images and origin. Tries ever fewer and larger regions until the hybrid level is not larger
-// than the all-Gouraud one, and sends that one if none is.
+// `model` gives materials, images and origin. Triangles are judged by common/shading/importance.h in the request's
+// view, whatever the mode, as Table 3 counts the criterion in all of its rows. Tries ever fewer and larger regions
+// until the hybrid level is not larger than the all-Gouraud one, and sends that one if none is.
 Result<EncodedSplit> encode_split(const mesh::Model& model, const mesh::Mesh& level, const SplitRequest& request,
                                   const codec::EncodeOptions& options, const Extras& extras);
 

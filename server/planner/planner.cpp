@@ -119,7 +119,7 @@ const proto::Level* find_first_level(const proto::Asset& asset, std::uint64_t tr
 void fill_first_level(proto::PlanResponse& response, const proto::Level& level, const proto::PlanRequest& request) {
     response.level = {level.triangles, level.vertices, level.rms_error, level.max_error, level.rms_error_percent, 0.0};
     response.shading.gouraud = level.triangles;
-    response.shading.operations = budget::operations(level.triangles, 0);
+    response.shading.operations = budget::with_shading(0, level.triangles, 0);
     response.shading.mode = proto::shading_mode_name(proto::ShadingMode::gouraud);
     response.content.url = level.url;
     response.content.bytes = level.bytes;
@@ -137,7 +137,7 @@ struct LevelRequest {
 // Names everything that the encoded bytes depend on. The view matters only where triangles are chosen by it.
 std::string content_key(const LevelRequest& level, const Vec3d& center) {
     const SplitRequest& split = level.split;
-    std::string key = "level/" + std::to_string(level.triangles) + "/" + proto::shading_mode_name(split.mode);
+    std::string key = "level/importance/" + std::to_string(level.triangles) + "/" + proto::shading_mode_name(split.mode);
     if (!level.textures.key.empty()) key += "/images" + level.textures.key;
     if (split.mode != proto::ShadingMode::hybrid || split.distance <= 0.0 || split.distance >= 1.0) {
         return key + (split.mode == proto::ShadingMode::hybrid ? (split.distance <= 0.0 ? "/near" : "/far") : "");
@@ -155,7 +155,7 @@ std::string content_key(const LevelRequest& level, const Vec3d& center) {
 void fill_shading(proto::PlanResponse& response, const EncodedSplit& split) {
     response.shading.gouraud = split.gouraud;
     response.shading.flat = split.flat;
-    response.shading.operations = budget::operations(split.gouraud, split.flat);
+    response.shading.operations = budget::with_shading(split.criterion_operations, split.gouraud, split.flat);
     response.shading.mode = proto::shading_mode_name(split.mode);
 }
 

@@ -152,7 +152,7 @@ const std::vector<Ownership>& owners() {
         {"yaml-cpp/", {"proto"}},
         {"tiny_gltf", {"server/importer"}},
         {"tiny_obj_loader", {"server/importer"}},
-        {"meshoptimizer", {"server/importer"}},
+        {"meshoptimizer", {"server/importer", "client/render"}},
         {"stb/", {"common/image"}},
         {"sqlite3", {"server/store"}},
         {"openssl/", {"server/store"}},

@@ -221,6 +221,57 @@ TEST_F(RendererTest, FacesAreLitFromBothSides) {
     }
 }
 
+TEST_F(RendererTest, TwoHalfLightsFromOnePlaceShineLikeOne) {
+    DrawOptions options = small;
+    for (const Shading shading : {Shading::flat, Shading::gouraud}) {
+        const Decoded content = content_of(testing::sphere(16), shading);
+        options.lights.clear();
+        const Image one = picture(content, view_of(content), options);
+        options.lights.assign(2, {view_of(content).light, 0.5});
+        EXPECT_LT(rms_between(one, picture(content, view_of(content), options)), 0.1);
+        options.lights.assign(max_lights, {view_of(content).light, 1.0 / max_lights});
+        EXPECT_LT(rms_between(one, picture(content, view_of(content), options)), 0.1);
+    }
+}
+
+TEST_F(RendererTest, LightsAddUpAndReplaceTheViewsLight) {
+    DrawOptions options = small;
+    options.phong.specular = 0.0;
+    options.lights = {{{0, 0, 1}, 0.5}, {{0, 0, -1}, 1.0}, {{0, 0, 7}, 0.25}};  // the second shines on the other side
+    View view = from_front;
+    view.light = {0, 0, -1};
+    for (const Shading shading : {Shading::flat, Shading::gouraud})
+        EXPECT_NEAR(pixel(picture(content_of(facing_triangle(), shading), view, options), 48, 48)[0],
+                    to_srgb(0.5 * (0.25 + 0.75 * 0.75)), 1.0);
+}
+
+TEST_F(RendererTest, RefusesMoreLightsThanTheLimitAndLightsFromNowhere) {
+    DrawOptions options = small;
+    options.lights.assign(max_lights + 1, {});
+    EXPECT_EQ(renderer->draw(from_front, options).error().code, ErrorCode::limit_exceeded);
+    for (const Light& light : {Light{{0, 0, 0}, 1.0}, Light{{NAN, 0, 0}, 1.0}, Light{{0, 1, 0}, -1.0}}) {
+        options.lights = {light};
+        EXPECT_EQ(renderer->draw(from_front, options).error().code, ErrorCode::invalid_input);
+    }
+}
+
+TEST_F(RendererTest, FlatSharesVerticesWithoutMixingFacesColoursOrCorners) {
+    mesh::Mesh grid = bumpy_grid(12);
+    for (std::size_t v = 0; v < grid.positions.size(); ++v)
+        grid.colors.emplace_back(37 * v % 256, 91 * v % 256, 53 * v % 256, 255);
+    mesh::Mesh apart;  // the same faces with corners of their own
+    for (const mesh::Triangle& t : grid.triangles)
+        for (const std::uint32_t v : t) {
+            apart.positions.push_back(grid.positions[v]);
+            apart.colors.push_back(grid.colors[v]);
+        }
+    for (std::uint32_t t = 0; t < grid.triangles.size(); ++t) apart.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    const Decoded shared = content_of(grid, Shading::flat), own = content_of(apart, Shading::flat);
+    EXPECT_LT(rms_between(picture(shared, view_of(shared)), picture(own, view_of(shared))), 0.2);
+    EXPECT_EQ(renderer->upload(own)->flat_vertices, 3u * 288u);
+    EXPECT_EQ(renderer->upload(shared)->flat_vertices, 288u);
+}
+
 TEST_F(RendererTest, WindingAgainstTheNormalsDoesNotTurnTheLightOff) {
     mesh::Mesh turned = testing::sphere(16);
     for (std::size_t t = 0; t < turned.triangles.size(); t += 2)
@@ -527,10 +578,14 @@ TEST_F(RendererTest, StatisticsCountWhatIsOnTheGpu) {
     ASSERT_TRUE(uploaded);
     EXPECT_EQ(uploaded->triangles, 112u);
     EXPECT_EQ(uploaded->gouraud_triangles, 0u);
-    EXPECT_EQ(uploaded->geometry_bytes, (112u * 3u + 2u) * 12u);
+    EXPECT_EQ(uploaded->geometry_bytes, 112u * (36u + 12u));
+    EXPECT_EQ(uploaded->flat_vertices, 112u);  // one evaluation of the light a face
+    EXPECT_EQ(uploaded->gouraud_vertices, 0u);
     const auto smooth = renderer->upload(drawable(model, model.mesh));
     ASSERT_TRUE(smooth);
     EXPECT_EQ(smooth->gouraud_triangles, 112u);
+    EXPECT_EQ(smooth->gouraud_vertices, 58u);
+    EXPECT_EQ(smooth->flat_vertices, 0u);
     EXPECT_EQ(smooth->geometry_bytes, 58u * 24u + 112u * 12u);
     const auto frame = renderer->draw(from_front, small);
     ASSERT_TRUE(frame);

@@ -63,6 +63,16 @@ inline AssetResult asset_result(const std::string& name) {
     for (const double d : {0.0, 0.5, 1.0})
         out.split.push_back(
             {d, 100, mode_result(proto::ShadingMode::hybrid, 1000 - static_cast<std::uint64_t>(200 * d), d)});
+    out.operations = {6400, 3000, 57'600, 64'000, 83'200, 64'537, 75'463};
+    for (const auto& [share, error] : {std::pair{0.25, 2.0}, std::pair{0.875, 1.5}, std::pair{1.0, 3.0}}) {
+        ShadingSample sample;
+        sample.series = "equal operations";
+        sample.criterion = "importance";
+        sample.share_of_price = share;
+        sample.operations = 400;
+        sample.result = mode_result(proto::ShadingMode::hybrid, 0, error);
+        out.shading.push_back(sample);
+    }
     out.pictures = {{"phone", 320, 240, "png", "png", "png", "pictures/x.png"}};
     return out;
 }

@@ -278,12 +278,10 @@ TEST(Budget, IsBelowEveryLimitAndMonotonicInCapacity) {
     }
 }
 
-TEST(Operations, Table3WithBothReadingsOfItsHybridRow) {
-    EXPECT_EQ(operations(0, 6400).criterion, 57'600u);
-    EXPECT_EQ(operations(0, 6400).total, 64'000u);
-    EXPECT_EQ(operations(6400, 0).total, 83'200u);
-    EXPECT_EQ(operations(179, 6221).total, 64'537u);  // the text's reading: 179 polygons are Gouraud
-    EXPECT_EQ(operations(0, 6400).criterion + 179u + 4u * 4421u, 75'463u);  // as printed; 179 + 4421 is not 6400
+TEST(Operations, ShadingIsOneAFlatAndFourAGouraudPolygon) {
+    EXPECT_EQ(with_shading(57'600, 179, 6221).criterion, 57'600u);
+    EXPECT_EQ(with_shading(57'600, 179, 6221).total, 64'537u);
+    EXPECT_EQ(with_shading(0, 0, 0).total, 0u);
 }
 
 }  // namespace

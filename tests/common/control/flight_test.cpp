@@ -61,7 +61,9 @@ TEST(Flight, ExposuresAreSpreadOverTheTimeSinceTheFrameBefore) {
 TEST(Flight, TheShutterIsNoLongerOpenThanTheDeadline) {
     const auto frames = fly(flight(Kind::none), turning(1.0, 100.0), [](const FrameRequest& request) {
         // Four exposures within 20 ms, not within the 100 ms that the frame before took.
-        if (request.poses.size() == 4) EXPECT_NEAR(request.poses[3].yaw_deg - request.poses[0].yaw_deg, 1.5, 1e-9);
+        if (request.poses.size() == 4) {
+            EXPECT_NEAR(request.poses[3].yaw_deg - request.poses[0].yaw_deg, 1.5, 1e-9);
+        }
         return Result<FrameOutcome>({100.0, 0.0, 0.0});
     });
     ASSERT_TRUE(frames);

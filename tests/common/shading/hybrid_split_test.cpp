@@ -9,28 +9,17 @@
 #include <numeric>
 #include <set>
 
+#include "common/shading/importance.h"
 #include "tests/support/meshes.h"
 
 namespace lodestream::shading {
 namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-constexpr float inf = std::numeric_limits<float>::infinity();
 
-const std::vector<mesh::Material> one_material(1);
-
-View view_from_above() {
-    View view;
-    view.eye = Vec3d(0, 10, 0);
-    view.light = Vec3d(0, 1, 0);
-    return view;
-}
-
-bool is_permutation_of_all(std::vector<std::uint32_t> order, std::size_t count) {
-    std::sort(order.begin(), order.end());
-    std::vector<std::uint32_t> all(count);
-    std::iota(all.begin(), all.end(), 0u);
-    return order == all;
+// The order that a sphere's own importance gives.
+std::vector<std::uint32_t> sphere_order(const mesh::Mesh& mesh) {
+    return order_by_importance(importance(mesh, {}, {.view = View{{0, 10, 0}, {0, 0, 0}, 45.0, {0, 1, 0}}}).error);
 }
 
 std::vector<std::uint32_t> identity_order(std::size_t count) {
@@ -72,87 +61,6 @@ TEST(GouraudCount, RoundsTheNearShare) {
     EXPECT_EQ(gouraud_count(0, 0.3), 0u);
 }
 
-TEST(PaperOrder, TrianglesWhoseIntensitiesDifferComeFirstAndLargeOnesBeforeSmall) {
-    mesh::Mesh mesh;
-    const auto add = [&](float size, const Vec3f& last_normal) {
-        const auto v = static_cast<std::uint32_t>(mesh.positions.size());
-        for (const Vec3f& p : {Vec3f(0), Vec3f(size, 0, 0), Vec3f(0, 0, size)}) mesh.positions.push_back(p);
-        mesh.normals.insert(mesh.normals.end(), {Vec3f(0, 1, 0), Vec3f(0, 1, 0), last_normal});
-        mesh.triangles.push_back({v, v + 1, v + 2});
-    };
-    const Vec3f same(0, 1, 0), other(1, 0, 0);
-    add(5.0f, same);
-    add(1.0f, other);
-    add(9.0f, same);
-    add(2.0f, other);
-    add(9.0f, same);
-    Phong matt;
-    matt.specular = 0.0;
-    EXPECT_EQ(paper_order(mesh, one_material, view_from_above(), Vec3d(0), matt),
-              (std::vector<std::uint32_t>{3, 1, 2, 4, 0}));
-}
-
-TEST(PaperOrder, BlackMaterialHasNothingToDifferButItsHighlight) {
-    mesh::Mesh mesh = testing::sphere(6);
-    std::vector<mesh::Material> black(1);
-    black[0].base_color = Vec4f(0, 0, 0, 1);
-    Phong matt;
-    matt.specular = 0.0;
-    const auto order = paper_order(mesh, black, view_from_above(), Vec3d(0), matt);
-    const auto perimeter = [&](std::uint32_t t) {
-        double sum = 0;
-        for (int i = 0; i < 3; ++i)
-            sum += glm::distance(Vec3d(mesh.positions[mesh.triangles[t][i]]),
-                                 Vec3d(mesh.positions[mesh.triangles[t][(i + 1) % 3]]));
-        return sum;
-    };
-    for (std::size_t i = 1; i < order.size(); ++i) EXPECT_GE(perimeter(order[i - 1]), perimeter(order[i]));
-    mesh.colors.assign(mesh.positions.size(), Rgba8(0, 0, 0, 255));
-    EXPECT_EQ(paper_order(mesh, one_material, view_from_above(), Vec3d(0), matt), order);
-    EXPECT_NE(paper_order(mesh, black, view_from_above(), Vec3d(0)), order);
-}
-
-TEST(PaperOrder, OriginMovesTheModelUnderTheEye) {
-    const mesh::Mesh mesh = testing::sphere(12);
-    std::vector<mesh::Material> black(1);
-    black[0].base_color = Vec4f(0, 0, 0, 1);  // only the highlight is left, and it follows the eye
-    View view = view_from_above();
-    const auto here = paper_order(mesh, black, view, Vec3d(0));
-    view.eye += Vec3d(1e6, 0, 0);
-    EXPECT_EQ(paper_order(mesh, black, view, Vec3d(1e6, 0, 0)), here);
-    EXPECT_NE(paper_order(mesh, black, view, Vec3d(0)), here);
-}
-
-TEST(PaperOrder, DegenerateInputStillGivesAPermutation) {
-    mesh::Mesh mesh = testing::sphere(6);
-    const std::size_t count = mesh.triangles.size();
-    View strange = view_from_above();
-    strange.light = Vec3d(0.0);
-    strange.eye = Vec3d(mesh.positions[0]);
-    EXPECT_TRUE(is_permutation_of_all(paper_order(mesh, one_material, strange, Vec3d(0)), count));
-    strange.eye = Vec3d(nan);
-    strange.light = Vec3d(inf);
-    EXPECT_TRUE(is_permutation_of_all(paper_order(mesh, one_material, strange, Vec3d(nan)), count));
-    mesh.normals[0] = Vec3f(nan);
-    mesh.normals[1] = Vec3f(0.0f);
-    mesh.normals[2] = Vec3f(inf);
-    for (std::size_t v = 3; v < mesh.positions.size(); ++v) mesh.positions[v] *= v % 2 ? 1e-38f : 3e38f;
-    EXPECT_TRUE(is_permutation_of_all(paper_order(mesh, one_material, view_from_above(), Vec3d(0)), count));
-    std::vector<mesh::Material> materials(1);
-    materials[0].base_color = Vec4f(nan);
-    Phong phong;
-    phong.shininess = nan;
-    EXPECT_TRUE(is_permutation_of_all(paper_order(mesh, materials, view_from_above(), Vec3d(0), phong), count));
-    EXPECT_TRUE(paper_order({}, {}, view_from_above(), Vec3d(0)).empty());
-}
-
-TEST(PaperOrder, NormalsWithoutLengthCountAsNoDifference) {
-    mesh::Mesh mesh = testing::tetrahedron();
-    mesh.normals = {Vec3f(nan), Vec3f(0.0f), Vec3f(inf), Vec3f(-inf)};
-    mesh.positions[3] = Vec3f(0, 0, 5);  // the triangle without this vertex is the smallest
-    EXPECT_EQ(paper_order(mesh, one_material, view_from_above(), Vec3d(0)).back(), 0u);
-}
-
 TEST(CoherentSplit, CountIsExactForEveryShareAndRegionCount) {
     const mesh::Mesh meshes[] = {testing::sphere(9), testing::flat_grid(6), testing::single_triangle(),
                                  two_apart(testing::sphere(5), testing::tetrahedron())};
@@ -169,7 +77,7 @@ TEST(CoherentSplit, CountIsExactForEveryShareAndRegionCount) {
 
 TEST(CoherentSplit, WithoutRegionsTakesTheFirstOfTheOrder) {
     const mesh::Mesh mesh = testing::sphere(7);
-    const auto order = paper_order(mesh, one_material, view_from_above(), Vec3d(0));
+    const auto order = sphere_order(mesh);
     std::vector<std::uint8_t> smaller(order.size(), 0);
     for (std::uint64_t gouraud = 0; gouraud <= order.size(); ++gouraud) {
         const auto labels = coherent_split(mesh, order, gouraud, 0);
@@ -221,7 +129,7 @@ TEST(CoherentSplit, SurvivesDegenerateGeometry) {
 
 TEST(CoherentSplit, IsDeterministic) {
     const mesh::Mesh mesh = testing::sphere(20);
-    const auto order = paper_order(mesh, one_material, view_from_above(), Vec3d(0));
+    const auto order = sphere_order(mesh);
     EXPECT_EQ(coherent_split(mesh, order, 300, 16), coherent_split(mesh, order, 300, 16));
 }
 

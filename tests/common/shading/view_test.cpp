@@ -72,6 +72,31 @@ TEST(ScreenSpaceError, IsFiniteInsideTheObjectAndForEveryScale) {
     EXPECT_EQ(pixels_per_unit(from(1), Box{}, default_display), 0.0);
 }
 
+TEST(Distance, DisplaysWithoutPixelsAndSixteenThousandWideOnesAreFinite) {
+    const Box box = box_of_radius(1.0);
+    for (const budget::Display display : {budget::Display{0, 0}, budget::Display{0, 16'384}, budget::Display{16'384, 0},
+                                          budget::Display{16'384, 16'384}})
+        for (const double eye : {0.0, 1.0, 1.5, 1e3, 1e300})
+            for (const double fov : {1e-300, 45.0, 179.9}) {
+                View view = from(eye);
+                view.fov_y_deg = fov;
+                const double d = distance_level(view, box, display, 16);
+                EXPECT_GE(d, 0.0);
+                EXPECT_LE(d, 1.0);
+                EXPECT_TRUE(std::isfinite(pixels_per_unit(view, box, display)));
+            }
+}
+
+TEST(Distance, StepsRoundTheContinuousDistanceUp) {
+    const Box box = box_of_radius(1.0);
+    for (double d = 0.5; d < 500.0; d *= 1.3) {
+        const double continuous = continuous_distance(from(d), box, default_display);
+        const double level = distance_level(from(d), box, default_display, 5);
+        EXPECT_GE(level, continuous - 1e-9);
+        EXPECT_LT(level, continuous + 0.2);
+    }
+}
+
 TEST(FramingView, TouchesTheFrustumFromOutside) {
     const View view = framing_view(box_of_radius(3.0));
     EXPECT_NEAR(length(view.eye), 3.0 / std::sin(radians(22.5)), 1e-9);

@@ -1,0 +1,296 @@
+#include "client/report/shading_study.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/render/movable_level.h"
+#include "common/shading/importance.h"
+#include "common/shading/paper_criterion.h"
+
+namespace lodestream::report {
+namespace {
+
+constexpr double all_gouraud_share = 0.25;
+constexpr double shares_of_price[] = {0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
+constexpr double flat_shares[] = {0.0, 0.25, 0.5, 0.75, 1.0};
+constexpr double paper_gouraud_share = 179.0 / 6400.0;  // of the phone's teapot
+constexpr std::uint64_t printed_flat = 179, printed_gouraud = 4421, printed_triangles = 6400;
+constexpr double unlimited_cpu_mhz = 1e9;
+constexpr int max_byte_corrections = 4;  // a level's bytes do not fall in proportion with its triangles
+
+std::uint64_t share_of(std::uint64_t count, double share) {
+    return static_cast<std::uint64_t>(std::llround(share * static_cast<double>(count)));
+}
+
+std::vector<std::uint8_t> first_of(const std::vector<std::uint32_t>& order, std::uint64_t gouraud) {
+    std::vector<std::uint8_t> labels(order.size(), 0);
+    for (std::size_t i = 0; i < std::min<std::uint64_t>(gouraud, order.size()); ++i) labels[order[i]] = 1;
+    return labels;
+}
+
+// The Gouraud primitives as one mesh.
+mesh::Model merged(const codec::Decoded& content) {
+    mesh::Model model;
+    model.materials = content.materials;
+    model.images = content.images;
+    model.origin = content.origin;
+    mesh::Mesh& out = model.mesh;
+    bool colored = false, textured = false;
+    for (const codec::Primitive& p : content.primitives) {
+        colored = colored || !p.mesh.colors.empty();
+        textured = textured || !p.mesh.texture_coordinates.empty();
+    }
+    for (const codec::Primitive& p : content.primitives) {
+        const auto base = static_cast<std::uint32_t>(out.positions.size());
+        out.positions.insert(out.positions.end(), p.mesh.positions.begin(), p.mesh.positions.end());
+        out.normals.insert(out.normals.end(), p.mesh.normals.begin(), p.mesh.normals.end());
+        out.normals.resize(out.positions.size(), Vec3f{0.0f});
+        if (colored) {
+            out.colors.insert(out.colors.end(), p.mesh.colors.begin(), p.mesh.colors.end());
+            out.colors.resize(out.positions.size(), Rgba8(255));
+        }
+        if (textured) {
+            out.texture_coordinates.insert(out.texture_coordinates.end(), p.mesh.texture_coordinates.begin(),
+                                           p.mesh.texture_coordinates.end());
+            out.texture_coordinates.resize(out.positions.size(), Vec2f{0.0f});
+        }
+        for (const mesh::Triangle& t : p.mesh.triangles) {
+            out.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+            out.triangle_materials.push_back(p.material);
+        }
+    }
+    return model;
+}
+
+class Study {
+  public:
+    Study(sdk::Client& client, render::Renderer& renderer, const std::vector<Setting>& settings,
+          const StudyOptions& options, AssetResult& asset)
+        : client_(client), renderer_(renderer), settings_(settings), options_(options), asset_(asset) {}
+
+    Status run() {
+        const std::uint64_t operations = std::min(max_study_operations, asset_.full_triangles);
+        if (operations < 4 || settings_.empty()) return Nothing{};
+        if (Status done = equal_operations(operations); !done) return done;
+        if (Status done = equal_bytes(operations); !done) return done;
+        Result<sdk::Loaded> level = load(operations, proto::ShadingMode::gouraud);
+        if (!level) return level.error();
+        if (Status done = criteria(level->content); !done) return done;
+        return lights(level->content);
+    }
+
+  private:
+    // A level of at most so many triangles, for a device without limits.
+    Result<sdk::Loaded> load(std::uint64_t triangles, proto::ShadingMode mode) {
+        proto::PlanRequest request;
+        request.asset = options_.asset_id;
+        request.budget.device.cpu_mhz = unlimited_cpu_mhz;
+        request.budget.preference.target_fps = budget::min_target_fps;
+        request.budget.preference.triangles = std::max<std::uint64_t>(triangles, 1);
+        request.shading = mode;
+        request.view = options_.view;
+        return client_.load(request);
+    }
+
+    // Draws what is on the GPU and adds it as a sample. `frames` 1: the time does not count.
+    Status add(ShadingSample sample, const Setting& setting, std::uint32_t frames) {
+        render::DrawOptions draw;
+        draw.width = setting.display.width;
+        draw.height = setting.display.height;
+        draw.samples = 1;
+        draw.frames = frames;
+        draw.lights = light_rig(options_.view, setting.lights);
+        Result<render::Frame> frame = renderer_.draw(options_.view, draw);
+        if (!frame) return frame.error();
+        Result<render::Difference> difference = render::compare(setting.full, frame->image);
+        if (!difference) return difference.error();
+        sample.lights = setting.lights;
+        sample.display = setting.display;
+        sample.triangles = sample.result.gouraud + sample.result.flat;
+        sample.operations = budget::with_shading(0, sample.result.gouraud, sample.result.flat).total;
+        sample.result.frame_ms = frames > 1 ? frame->frame_ms : 0.0;
+        sample.result.image = {100.0 * difference->rms / 255.0, difference->silhouette_percent};
+        asset_.shading.push_back(std::move(sample));
+        return Nothing{};
+    }
+
+    static ShadingSample sample_of(std::string series, std::string criterion, std::uint64_t triangles,
+                                   std::uint64_t gouraud) {
+        ShadingSample sample;
+        sample.series = std::move(series);
+        sample.criterion = std::move(criterion);
+        sample.result.gouraud = std::min(gouraud, triangles);
+        sample.result.flat = triangles - sample.result.gouraud;
+        sample.result.mode = sample.result.flat == 0      ? proto::ShadingMode::gouraud
+                             : sample.result.gouraud == 0 ? proto::ShadingMode::flat
+                                                          : proto::ShadingMode::hybrid;
+        return sample;
+    }
+
+    // Every mode with the triangles that it affords.
+    Status equal_operations(std::uint64_t operations) {
+        for (const double share : shares_of_price) {
+            if (options_.quick && share > all_gouraud_share && share < 1.0 && share != hybrid_share) continue;
+            const Purchase bought = purchase(operations, share);
+            Result<sdk::Loaded> level = load(bought.triangles, proto::ShadingMode::gouraud);
+            if (!level) return level.error();
+            for (const bool paper : {false, true}) {
+                if (paper && (share <= all_gouraud_share || share >= 1.0)) continue;  // nothing to choose
+                const mesh::Model model = merged(level->content);
+                const auto order = paper ? paper_order(model) : importance_order(model, true);
+                const auto labels = first_of(order, bought.gouraud);
+                if (auto up = renderer_.upload(render::drawable(model, model.mesh, labels)); !up) return up.error();
+                ShadingSample sample = sample_of("equal operations", paper ? "paper" : "importance",
+                                                 model.mesh.triangles.size(), bought.gouraud);
+                sample.share_of_price = share;
+                if (Status added = add(std::move(sample), settings_.front(), 1); !added) return added;
+            }
+        }
+        return Nothing{};
+    }
+
+    // All flat as the server sends it, and all Gouraud with as many triangles as take no more bytes.
+    Status equal_bytes(std::uint64_t triangles) {
+        Result<sdk::Loaded> flat = load(triangles, proto::ShadingMode::flat);
+        if (!flat) return flat.error();
+        Result<sdk::Loaded> smooth = load(triangles, proto::ShadingMode::gouraud);
+        for (int i = 0; smooth && smooth->bytes > flat->bytes && i < max_byte_corrections; ++i) {
+            const double ratio = static_cast<double>(flat->bytes) / static_cast<double>(smooth->bytes);
+            triangles = share_of(triangles, ratio);
+            smooth = load(triangles, proto::ShadingMode::gouraud);
+        }
+        if (!smooth) return smooth.error();
+        for (const sdk::Loaded* level : {&*flat, &*smooth}) {
+            if (auto up = renderer_.upload(level->content); !up) return up.error();
+            ShadingSample sample =
+                sample_of("equal bytes", "", level->plan.level.triangles, level->plan.shading.gouraud);
+            sample.result.bytes = level->bytes;
+            if (Status added = add(std::move(sample), settings_.front(), 1); !added) return added;
+        }
+        return Nothing{};
+    }
+
+    // The same level split after each criterion.
+    Status criteria(const codec::Decoded& content) {
+        const mesh::Model model = merged(content);
+        const std::pair<const char*, std::vector<std::uint32_t>> orders[] = {
+            {"paper", paper_order(model)},
+            {"importance", importance_order(model, true)},
+            {"importance from anywhere", importance_order(model, false)}};
+        for (const auto& [name, order] : orders)
+            for (const double flat : flat_shares) {
+                const std::uint64_t gouraud = share_of(order.size(), 1.0 - flat);
+                const auto labels = first_of(order, gouraud);
+                if (auto up = renderer_.upload(render::drawable(model, model.mesh, labels)); !up) return up.error();
+                ShadingSample sample = sample_of("criteria", name, order.size(), gouraud);
+                sample.distance = flat;
+                if (Status added = add(std::move(sample), settings_.front(), 1); !added) return added;
+            }
+        return Nothing{};
+    }
+
+    // The border moves over one upload.
+    Status lights(const codec::Decoded& content) {
+        Result<render::MovableLevel> level = render::movable_level(content);
+        if (!level) return level.error();
+        Result<render::UploadStatistics> uploaded = renderer_.upload(*level);
+        if (!uploaded) return uploaded.error();
+        for (const Setting& setting : settings_)
+            for (const double flat : flat_shares) {
+                const std::uint64_t gouraud = share_of(level->triangles(), 1.0 - flat);
+                renderer_.move_split(gouraud);
+                ShadingSample sample = sample_of("lights", "importance from anywhere", level->triangles(), gouraud);
+                sample.distance = flat;
+                sample.result.gpu_bytes = uploaded->geometry_bytes + uploaded->texture_bytes;
+                if (Status added = add(std::move(sample), setting, options_.frames); !added) return added;
+            }
+        return Nothing{};
+    }
+
+    std::vector<std::uint32_t> paper_order(const mesh::Model& model) const {
+        return shading::paper_criterion(model.mesh, model.materials, options_.view, model.origin).order;
+    }
+    std::vector<std::uint32_t> importance_order(const mesh::Model& model, bool in_view) const {
+        shading::ImportanceOptions importance;
+        if (in_view) importance.view = options_.view;
+        importance.origin = model.origin;
+        return shading::order_by_importance(shading::importance(model.mesh, model.materials, importance).error);
+    }
+
+    sdk::Client& client_;
+    render::Renderer& renderer_;
+    const std::vector<Setting>& settings_;
+    const StudyOptions& options_;
+    AssetResult& asset_;
+};
+
+}  // namespace
+
+Purchase purchase(std::uint64_t operations, double share) {
+    Purchase bought;
+    bought.triangles = std::max<std::uint64_t>(share_of(operations, std::clamp(share, all_gouraud_share, 1.0)), 1);
+    const std::uint64_t left = operations > bought.triangles ? operations - bought.triangles : 0;
+    bought.gouraud = std::min(bought.triangles, left / (budget::gouraud_operations - budget::flat_operations));
+    return bought;
+}
+
+std::vector<render::Light> light_rig(const shading::View& view, std::size_t count) {
+    std::vector<render::Light> lights;
+    const double golden_angle = pi * (3.0 - std::sqrt(5.0));
+    for (std::size_t i = 0; i < count; ++i) {
+        const double height = 1.0 - 2.0 * static_cast<double>(i) / static_cast<double>(count);
+        const double around = std::sqrt(std::max(0.0, 1.0 - height * height));
+        const double turn = golden_angle * static_cast<double>(i);
+        const Vec3d direction = i == 0 ? view.light : Vec3d(around * std::cos(turn), height, around * std::sin(turn));
+        lights.push_back({direction, 1.0 / static_cast<double>(count)});
+    }
+    return lights;
+}
+
+Result<std::vector<Setting>> study_settings(render::Renderer& renderer, const shading::View& view, bool quick) {
+    constexpr budget::Display usual{800, 600};
+    std::vector<Setting> settings;
+    for (const std::uint32_t lights : {1u, 4u, 16u, 64u}) settings.push_back({lights, usual, {}});
+    if (!quick)
+        for (const budget::Display display : {budget::Display{320, 240}, budget::Display{1280, 1024}})
+            settings.push_back({1, display, {}});
+    for (Setting& setting : settings) {
+        render::DrawOptions draw;
+        draw.width = setting.display.width;
+        draw.height = setting.display.height;
+        draw.samples = 1;
+        draw.lights = light_rig(view, setting.lights);
+        Result<render::Frame> frame = renderer.draw(view, draw);
+        if (!frame) return frame.error();
+        setting.full = std::move(frame->image);
+    }
+    return settings;
+}
+
+Status study_shading(sdk::Client& client, render::Renderer& renderer, const std::vector<Setting>& settings,
+                     const StudyOptions& options, AssetResult& asset) {
+    return Study(client, renderer, settings, options, asset).run();
+}
+
+CountedOperations count_operations(const codec::Decoded& full, const shading::View& view) {
+    const mesh::Model model = merged(full);
+    const std::uint64_t n = model.mesh.triangles.size();
+    const shading::PaperCriterion criterion = shading::paper_criterion(model.mesh, model.materials, view, model.origin);
+    const auto total = [&](std::uint64_t gouraud, std::uint64_t flat) {
+        std::vector<std::uint8_t> labels(gouraud, 1);
+        labels.resize(gouraud + flat, 0);
+        return criterion.operations.criterion() + shading::paper_normals(model.mesh, labels).operations.shading();
+    };
+    CountedOperations counted;
+    counted.triangles = n;
+    counted.differing = criterion.differing;
+    counted.criterion = criterion.operations.criterion();
+    counted.all_flat = total(0, n);
+    counted.all_gouraud = total(n, 0);
+    const std::uint64_t gouraud = share_of(n, paper_gouraud_share);
+    counted.hybrid = total(gouraud, n - gouraud);
+    if (n == printed_triangles) counted.hybrid_as_printed = total(printed_gouraud, printed_flat);
+    return counted;
+}
+
+}  // namespace lodestream::report

@@ -1,0 +1,56 @@
+// The report's measurements of hybrid shading itself: lights, criteria, and what each shading mode makes of the same
+// price. Everything is drawn on this machine from levels that the server sends.
+#pragma once
+
+#include <vector>
+
+#include "client/render/renderer.h"
+#include "client/report/data.h"
+#include "client/sdk/client.h"
+#include "common/codec/level_codec.h"
+#include "common/shading/view.h"
+
+namespace lodestream::report {
+
+// The equal-operations comparison: a triangle costs 1 flat and 4 Gouraud (Table 3).
+inline constexpr std::uint64_t max_study_operations = 8000;  // Table 2's upper figure at 800x600
+// Of the price, what hybrid spends on having more triangles rather than on smooth ones: it shows this share of the
+// triangles that flat shading could, and spends the rest on Gouraud shading the most important of them.
+// Of the three scans and models tried when it was chosen, 0.75 lost to all flat on one, 0.875 on none.
+inline constexpr double hybrid_share = 0.875;
+
+// The triangles that a price buys: as many Gouraud as are left over for.
+struct Purchase {
+    std::uint64_t triangles = 0;
+    std::uint64_t gouraud = 0;
+};
+// `share` in [0.25, 1] of `operations`: 1 is all flat, 0.25 all Gouraud.
+Purchase purchase(std::uint64_t operations, double share);
+
+// `count` lights whose intensities sum up to 1: the view's own first, the others spread over the sphere around.
+std::vector<render::Light> light_rig(const shading::View& view, std::size_t count);
+
+// One way of lighting and looking that the study draws the full model in.
+struct Setting {
+    std::uint32_t lights = 1;
+    budget::Display display;
+    render::Image full;  // the full model, all Gouraud
+};
+// pre: the full model is what the renderer holds
+Result<std::vector<Setting>> study_settings(render::Renderer& renderer, const shading::View& view, bool quick);
+
+struct StudyOptions {
+    std::string asset_id;
+    shading::View view;
+    std::uint32_t frames = 5;  // of a picture whose time counts
+    bool quick = false;        // the pure modes and the hybrid's own share of the price alone
+};
+
+// Gives `asset` its operations and its samples. Errors: of the server, the decoder or the renderer.
+Status study_shading(sdk::Client& client, render::Renderer& renderer, const std::vector<Setting>& settings,
+                     const StudyOptions& options, AssetResult& asset);
+
+// Table 3 counted on one mesh, all Gouraud primitives merged.
+CountedOperations count_operations(const codec::Decoded& full, const shading::View& view);
+
+}  // namespace lodestream::report

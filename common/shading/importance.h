@@ -1,0 +1,61 @@
+// A criterion that does not depend on where the light is: how much a picture could change, under any light and for any
+// viewer, if a triangle were flat instead of Gouraud shaded.
+//
+// Flat shading lights a triangle by its own normal f, Gouraud shading by the normals n at its corners. At a corner
+// whose normal stands at an angle θ to f, Lambert's term differs by at most sin θ (1 from 90° on; reached where the
+// light grazes f), and the mirrored ray turns by 2θ, over which cos^s falls by at most 2θ times its steepest slope.
+// Displayed (sRGB), the step is largest where the corner is darkest, lit by the ambient part alone, for the curve is
+// concave. So every corner has a greatest difference δ in display units; between corners it is at most their blend,
+// whose square integrates over the area A to A/12 * (δ1² + δ2² + δ3² + (δ1 + δ2 + δ3)²). Not in the bound: the
+// highlight that goes out at once where the light passes below the horizon, and textures (the base colour stands for
+// them).
+//
+// A Gouraud triangle costs the same wherever it lies (Table 3: 4 against 1), so with a price on the number of Gouraud
+// triangles the first k of the falling order are the choice of k that leaves the least error: one order serves every
+// split as a prefix, and moving the split sorts nothing.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/mesh/mesh.h"
+#include "common/shading/operation_counts.h"
+#include "common/shading/phong.h"
+#include "common/shading/view.h"
+
+namespace lodestream::shading {
+
+// Of a triangle that shows its back, on a material that is not double-sided: most of them are hidden by the front.
+inline constexpr double turned_away_share = 1.0 / 16.0;
+
+struct ImportanceOptions {
+    Phong phong{};
+    std::optional<View> view{};  // absent: triangles weigh by their area, for a viewer who may be anywhere
+    Vec3d origin{0.0};         // where the mesh's (0,0,0) lies in the view's world
+};
+
+struct Importance {
+    // One a triangle: the greatest integral of the squared difference, mean over R, G and B in display units [0, 1].
+    // Over its area in square model units; with a view over the share of the unit sphere around the eye that it covers,
+    // in steradians. Finite and >= 0 for any input.
+    std::vector<double> error;
+    OperationCounts operations;  // nine a triangle, as many as the paper's criterion takes
+};
+
+Importance importance(const mesh::Mesh& mesh, const std::vector<mesh::Material>& materials,
+                      const ImportanceOptions& options = {});
+
+// Triangles by falling error. Ties: lower index.
+std::vector<std::uint32_t> order_by_importance(std::span<const double> error);
+
+// [k]: the sum of the errors of all but the first k of `order`, falling to 0; size n + 1.
+// pre: `order` is a permutation of the errors
+std::vector<double> error_left(std::span<const double> error, std::span<const std::uint32_t> order);
+
+// The greatest difference of a corner in display units, a channel of base colour `color` in [0, 1]: its normal stands
+// `degrees_apart` from the face's. In [0, 1], never falling with the angle.
+double greatest_difference(double degrees_apart, double color, const Phong& phong);
+
+}  // namespace lodestream::shading

@@ -1,0 +1,194 @@
+#include "common/shading/importance.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "common/mesh/operations.h"
+#include "tests/common/shading/orders.h"
+#include "tests/support/meshes.h"
+
+namespace lodestream::shading {
+namespace {
+
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+constexpr float inf = std::numeric_limits<float>::infinity();
+
+const std::vector<mesh::Material> white(1);
+
+double displayed(double x) {
+    x = std::clamp(x, 0.0, 1.0);
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
+}
+
+// Phong's light on a white surface, without the step at the horizon.
+double lit(const Vec3d& normal, const Vec3d& light, const Vec3d& to_eye, const Phong& phong) {
+    const double incidence = dot(normal, light);
+    const double highlight = std::max(0.0, dot(2.0 * incidence * normal - light, to_eye));
+    return displayed(phong.ambient + phong.diffuse * std::max(0.0, incidence) +
+                     phong.specular * std::pow(highlight, phong.shininess));
+}
+
+Vec3d random_unit(std::mt19937& random) {
+    std::normal_distribution<double> normal;
+    for (;;) {
+        const Vec3d v(normal(random), normal(random), normal(random));
+        if (length(v) > 1e-3) return normalize(v);
+    }
+}
+
+void expect_sound(const Importance& importance, std::size_t triangles) {
+    ASSERT_EQ(importance.error.size(), triangles);
+    for (const double error : importance.error) {
+        EXPECT_TRUE(std::isfinite(error));
+        EXPECT_GE(error, 0.0);
+    }
+    EXPECT_TRUE(testing::is_permutation_of_all(order_by_importance(importance.error), triangles));
+}
+
+TEST(GreatestDifference, BoundsEveryLightAndViewer) {
+    std::mt19937 random(7);
+    const Phong phong;
+    for (const double degrees : {1.0, 10.0, 45.0, 89.0, 120.0}) {
+        const Vec3d face(0, 0, 1);
+        const Vec3d corner(std::sin(radians(degrees)), 0, std::cos(radians(degrees)));
+        const double bound = greatest_difference(degrees, 1.0, phong);
+        double seen = 0.0;
+        for (int i = 0; i < 20'000; ++i) {
+            const Vec3d light = random_unit(random), eye = random_unit(random);
+            seen = std::max(seen, std::abs(lit(face, light, eye, phong) - lit(corner, light, eye, phong)));
+        }
+        EXPECT_LE(seen, bound + 1e-12) << degrees;
+        EXPECT_GE(seen, 0.4 * bound) << degrees;  // and is not far above what happens
+    }
+}
+
+TEST(GreatestDifference, GrowsWithTheAngleAndIsNothingWithoutOne) {
+    for (const double color : {0.0, 0.2, 1.0}) {
+        double last = greatest_difference(0.0, color, {});
+        EXPECT_EQ(last, 0.0);
+        for (double degrees = 1.0; degrees <= 180.0; degrees += 1.0) {
+            const double next = greatest_difference(degrees, color, {});
+            EXPECT_GE(next, last);
+            EXPECT_LE(next, 1.0);
+            last = next;
+        }
+    }
+    EXPECT_EQ(greatest_difference(90.0, 0.0, {.specular = 0.0}), 0.0);  // black and matt
+}
+
+TEST(Importance, TakesNineOperationsATriangleAsThePapersCriterionDoes) {
+    const OperationCounts counts = importance(testing::sphere(12), white).operations;
+    EXPECT_EQ(counts.criterion(), 9u * testing::sphere(12).triangles.size());
+    EXPECT_EQ(counts.sizes, testing::sphere(12).triangles.size());
+    EXPECT_EQ(counts.shading(), 0u);
+}
+
+TEST(Importance, DoesNotChangeWithTheLight) {
+    const mesh::Mesh mesh = testing::sphere(10);
+    View view{{0, 0, 5}, {0, 0, 0}, 45.0, {0, 1, 0}};
+    const auto one = importance(mesh, white, {.view = view}).error;
+    view.light = {1, -2, 3};
+    EXPECT_EQ(importance(mesh, white, {.view = view}).error, one);
+}
+
+TEST(Importance, FlatTrianglesWithEqualNormalsCostNothingToDrawFlat) {
+    mesh::Mesh mesh = testing::flat_grid(3);
+    mesh.normals.assign(mesh.positions.size(), Vec3f(0, 1, 0));
+    for (const double error : importance(mesh, white).error) EXPECT_LT(error, 1e-20);
+    mesh.normals[0] = normalize(Vec3f(1, 1, 0));
+    const auto order = order_by_importance(importance(mesh, white).error);
+    EXPECT_EQ(order.front(), 0u);  // the one triangle at vertex 0
+}
+
+TEST(Importance, IsInProportionToTheAreaWithoutAView) {
+    mesh::Mesh mesh = testing::sphere(8);
+    const auto unit = importance(mesh, white).error;
+    for (Vec3f& p : mesh.positions) p *= 4.0f;
+    const auto large = importance(mesh, white).error;
+    for (std::size_t t = 0; t < unit.size(); ++t) EXPECT_NEAR(large[t], 16.0 * unit[t], 1e-4 * large[t]);
+}
+
+TEST(Importance, FacesTheViewerBeforeTheBackAndNothingBehindTheEye) {
+    const mesh::Mesh mesh = testing::sphere(16);
+    const View view{{0, 0, 5}, {0, 0, 0}, 45.0, {0, 1, 0}};
+    const auto error = importance(mesh, white, {.view = view}).error;
+    const auto order = order_by_importance(error);
+    for (std::size_t i = 0; i < order.size() / 4; ++i) {
+        const mesh::Triangle& t = mesh.triangles[order[i]];
+        EXPECT_GT(mesh.positions[t[0]].z + mesh.positions[t[1]].z + mesh.positions[t[2]].z, 0.0f);
+    }
+    const auto away = importance(mesh, white, {.view = View{{0, 0, 5}, {0, 0, 9}, 45.0, {0, 1, 0}}}).error;
+    EXPECT_EQ(away, std::vector<double>(error.size(), 0.0));
+}
+
+TEST(Importance, FollowsTheOriginAsTheEyeDoes) {
+    const mesh::Mesh mesh = testing::sphere(8);
+    const View view{{0, 1, 5}, {0, 0, 0}, 45.0, {0, 1, 0}};
+    View moved = view;
+    moved.eye += Vec3d(1e6, 0, 0);
+    moved.target += Vec3d(1e6, 0, 0);
+    EXPECT_EQ(order_by_importance(importance(mesh, white, {.view = view}).error),
+              order_by_importance(importance(mesh, white, {.view = moved, .origin = Vec3d(1e6, 0, 0)}).error));
+}
+
+TEST(Importance, EverySplitIsAPrefixAndLeavesTheLeastErrorOfItsCount) {
+    const mesh::Mesh mesh = testing::grid(9, [](double x, double z) { return std::sin(x * x) + 0.3 * z; });
+    mesh::Mesh smooth = mesh::with_normals(mesh, 180.0);
+    const auto error = importance(smooth, white).error;
+    const auto order = order_by_importance(error);
+    const auto left = error_left(error, order);
+    ASSERT_EQ(left.size(), error.size() + 1);
+    EXPECT_EQ(left.back(), 0.0);
+    std::vector<double> sorted = error;
+    std::sort(sorted.begin(), sorted.end());
+    double least = 0.0;  // of all but k triangles: the k largest taken away
+    for (std::size_t k = error.size(); k-- > 0;) {
+        least += sorted[error.size() - 1 - k];
+        EXPECT_NEAR(left[k], least, 1e-9 * left[0]);
+        EXPECT_GE(left[k], left[k + 1]);
+    }
+}
+
+TEST(Importance, ZeroNormalsAreTheWorstThatCanHappenAndFinite) {
+    mesh::Mesh mesh = testing::sphere(6);
+    const auto known = importance(mesh, white).error;
+    mesh.normals.assign(mesh.normals.size(), Vec3f(0.0f));
+    const Importance unknown = importance(mesh, white);
+    expect_sound(unknown, mesh.triangles.size());
+    for (std::size_t t = 0; t < known.size(); ++t) EXPECT_GE(unknown.error[t], known[t]);
+    mesh.normals.clear();
+    expect_sound(importance(mesh, white), mesh.triangles.size());
+}
+
+TEST(Importance, ZeroAreaFacesCountForNothing) {
+    mesh::Mesh mesh = testing::sphere(6);
+    for (Vec3f& p : mesh.positions) p = Vec3f(1, 2, 3);
+    const Importance points = importance(mesh, white, {.view = View{{1, 2, 3}, {0, 0, 0}, 45, {0, 1, 0}}});
+    expect_sound(points, mesh.triangles.size());
+    for (const double error : points.error) EXPECT_EQ(error, 0.0);
+}
+
+TEST(Importance, CameraOnAVertexInsideTheModelAndInAFacesPlaneIsFinite) {
+    const mesh::Mesh mesh = testing::sphere(12);
+    for (const Vec3d eye : {Vec3d(mesh.positions[7]), Vec3d(0.0), Vec3d(0.99, 0, 0), Vec3d(1e300, 0, 0)})
+        expect_sound(importance(mesh, white, {.view = View{eye, {0, 0, 9}, 45.0, {0, 1, 0}}}), mesh.triangles.size());
+}
+
+TEST(Importance, NumbersThatAreNoneStayOutOfTheResult) {
+    mesh::Mesh mesh = testing::sphere(6);
+    mesh.normals[0] = Vec3f(nan);
+    mesh.normals[1] = Vec3f(inf);
+    mesh.positions[2] = Vec3f(nan);
+    mesh.positions[3] = Vec3f(3e38f);
+    std::vector<mesh::Material> broken(1);
+    broken[0].base_color = Vec4f(nan);
+    for (const double shininess : {static_cast<double>(nan), 0.0, 1.0, 1e300})
+        expect_sound(importance(mesh, broken, {.phong = {.shininess = shininess}}), mesh.triangles.size());
+    expect_sound(importance({}, {}), 0);
+}
+
+}  // namespace
+}  // namespace lodestream::shading
