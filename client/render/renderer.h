@@ -98,8 +98,9 @@ class Renderer {
     void move_split(std::uint64_t gouraud);
 
     // Draws what was uploaded; without an upload, or with an empty one, the background alone.
-    // Errors: invalid_input (view, sizes, more earlier moments than samples - 1), limit_exceeded (larger than the driver
-    // or the named limits allow), unsupported (earlier moments, and the driver has no sample masks or fewer samples).
+    // Errors: invalid_input (view, sizes, more earlier moments than samples - 1), limit_exceeded (larger than the
+    // driver or the named limits allow), unsupported (earlier moments, and the driver has no sample masks or fewer
+    // samples).
     Result<Frame> draw(const shading::View& view, const DrawOptions& options);
 
   private:
