@@ -44,9 +44,10 @@ std::vector<std::byte> serialize(const BakedModel& baked);
 // view.
 Result<BakedView> open_baked_model(std::span<const std::byte> bytes);
 
-// The error of the level of this many triangles: that measured where it was measured, else between its two measured
-// neighbours: RMS along the chord, which lies above a curve that falls ever more slowly (as errors do: about as one over
-// the triangles), maximum that of the coarser one. pre: errors is not empty
+// The error of the level of this many triangles: that measured where it was measured. Between two measured neighbours
+// the maximum is the coarser one's, and so is the RMS, unless it rises ever more steeply around there (as it usually
+// does: about as one over the triangles): then it lies on the chord, which is above such a curve. Never falls where
+// triangles do. pre: errors is not empty
 metric::SurfaceError error_of(std::span<const ErrorSample> errors, std::uint64_t triangles);
 
 }  // namespace lodestream::bake
