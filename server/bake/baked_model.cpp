@@ -85,20 +85,6 @@ Status validate(const BakedView& baked) {
     return validate_materials(baked);
 }
 
-// How much the error rises with each triangle less, between sample `at` and the finer one before it.
-double rise(std::span<const ErrorSample> errors, std::size_t at) {
-    const ErrorSample &finer = errors[at - 1], &coarser = errors[at];
-    return (coarser.error.rms - finer.error.rms) / static_cast<double>(finer.triangles - coarser.triangles);
-}
-
-// Whether the error rises ever more steeply from the interval before the one that ends at `at` to the one after it, as
-// far as was measured. Where it does not, it may have jumped anywhere between.
-bool is_convex_at(std::span<const ErrorSample> errors, std::size_t at) {
-    if (at < 2 || at + 1 >= errors.size()) return false;
-    const double here = rise(errors, at);
-    return errors[at - 1].error.rms > 0 && rise(errors, at - 1) <= here && here <= rise(errors, at + 1);
-}
-
 }  // namespace
 
 BakedModel describe_model(const mesh::Model& model) {
@@ -144,12 +130,7 @@ metric::SurfaceError error_of(std::span<const ErrorSample> errors, std::uint64_t
     const auto coarser = std::lower_bound(errors.begin(), errors.end(), triangles,
                                           [](const ErrorSample& s, std::uint64_t n) { return s.triangles > n; });
     if (coarser == errors.end()) return errors.back().error;
-    if (coarser->triangles == triangles || coarser == errors.begin()) return coarser->error;
-    const auto at = static_cast<std::size_t>(coarser - errors.begin());
-    if (!is_convex_at(errors, at)) return coarser->error;
-    const ErrorSample& finer = errors[at - 1];
-    const double more = rise(errors, at) * static_cast<double>(finer.triangles - triangles);
-    return {std::min(finer.error.rms + more, coarser->error.rms), coarser->error.max};
+    return coarser->error;
 }
 
 }  // namespace lodestream::bake

@@ -44,10 +44,9 @@ std::vector<std::byte> serialize(const BakedModel& baked);
 // view.
 Result<BakedView> open_baked_model(std::span<const std::byte> bytes);
 
-// The error of the level of this many triangles: that measured where it was measured. Between two measured neighbours
-// the maximum is the coarser one's, and so is the RMS, unless it rises ever more steeply around there (as it usually
-// does: about as one over the triangles): then it lies on the chord, which is above such a curve. Never falls where
-// triangles do. pre: errors is not empty
+// The error of the level of this many triangles: that of the nearest measured level that is not finer. An error may
+// jump anywhere between two measured levels (spikes on a plane, pieces of two sizes), so nothing between them is
+// promised. pre: errors is not empty
 metric::SurfaceError error_of(std::span<const ErrorSample> errors, std::uint64_t triangles);
 
 }  // namespace lodestream::bake
