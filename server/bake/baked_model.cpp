@@ -130,12 +130,7 @@ metric::SurfaceError error_of(std::span<const ErrorSample> errors, std::uint64_t
     const auto coarser = std::lower_bound(errors.begin(), errors.end(), triangles,
                                           [](const ErrorSample& s, std::uint64_t n) { return s.triangles > n; });
     if (coarser == errors.end()) return errors.back().error;
-    if (coarser->triangles == triangles || coarser == errors.begin()) return coarser->error;
-    const ErrorSample& finer = *(coarser - 1);
-    if (!(finer.error.rms > 0) || coarser->triangles == 0) return coarser->error;
-    const double share =
-        static_cast<double>(finer.triangles - triangles) / static_cast<double>(finer.triangles - coarser->triangles);
-    return {finer.error.rms + share * (coarser->error.rms - finer.error.rms), coarser->error.max};
+    return coarser->error;
 }
 
 }  // namespace lodestream::bake

@@ -44,9 +44,9 @@ std::vector<std::byte> serialize(const BakedModel& baked);
 // view.
 Result<BakedView> open_baked_model(std::span<const std::byte> bytes);
 
-// The error of the level of this many triangles: that measured where it was measured, else between its two measured
-// neighbours: RMS along the chord, which lies above a curve that falls ever more slowly (as errors do: about as one over
-// the triangles), maximum that of the coarser one. pre: errors is not empty
+// The error of the level of this many triangles: that of the nearest measured level that is not finer. An error may
+// jump anywhere between two measured levels (spikes on a plane, pieces of two sizes), so nothing between them is
+// promised. pre: errors is not empty
 metric::SurfaceError error_of(std::span<const ErrorSample> errors, std::uint64_t triangles);
 
 }  // namespace lodestream::bake
