@@ -97,9 +97,9 @@ struct PlanResponse {
     } content;
     std::vector<LeftOut> left_out;
     struct {
-        double plan = 0.0;     // ms, all of it
-        double cut = 0.0;      // ms, 0 where the level was in the store
-        double encode = 0.0;   // ms, 0 where the level was in the store
+        double plan = 0.0;    // ms, all of it
+        double cut = 0.0;     // ms, 0 where the level was in the store
+        double encode = 0.0;  // ms, 0 where the level was in the store
     } timing_ms;
     std::vector<std::string> warnings;
 };

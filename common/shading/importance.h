@@ -33,7 +33,7 @@ inline constexpr double turned_away_share = 1.0 / 16.0;
 struct ImportanceOptions {
     Phong phong{};
     std::optional<View> view{};  // absent: triangles weigh by their area, for a viewer who may be anywhere
-    Vec3d origin{0.0};         // where the mesh's (0,0,0) lies in the view's world
+    Vec3d origin{0.0};           // where the mesh's (0,0,0) lies in the view's world
 };
 
 struct Importance {

@@ -137,7 +137,8 @@ struct LevelRequest {
 // Names everything that the encoded bytes depend on. The view matters only where triangles are chosen by it.
 std::string content_key(const LevelRequest& level, const Vec3d& center) {
     const SplitRequest& split = level.split;
-    std::string key = "level/importance/" + std::to_string(level.triangles) + "/" + proto::shading_mode_name(split.mode);
+    std::string key =
+        "level/importance/" + std::to_string(level.triangles) + "/" + proto::shading_mode_name(split.mode);
     if (!level.textures.key.empty()) key += "/images" + level.textures.key;
     if (split.mode != proto::ShadingMode::hybrid || split.distance <= 0.0 || split.distance >= 1.0) {
         return key + (split.mode == proto::ShadingMode::hybrid ? (split.distance <= 0.0 ? "/near" : "/far") : "");
