@@ -22,7 +22,13 @@ sources_with_headers() {
     ninja -C "$build" -t deps | awk -v root="$PWD/" '
         function flush() { if (line) print line; line = "" }
         /^[^ ]/ { flush(); next }
-        NF && index($1, root) == 1 && index($1, root "build/") != 1 { line = line (line ? " " : "") substr($1, length(root) + 1) }
+        NF {
+            path = $1
+            if (index(path, root) == 1) path = substr(path, length(root) + 1)
+            else if (path !~ /^\.\.\/\.\.\/[^.]/) next
+            sub(/^\.\.\/\.\.\//, "", path)  # a compiler cache may write paths from the build folder
+            if (index(path, "build/") != 1) line = line (line ? " " : "") path
+        }
         END { flush() }' | sort -u
 }
 

@@ -159,7 +159,8 @@ Result<proto::Asset> BakeQueue::Impl::import_reserved(const Submission& submissi
     }
     if (failed_before)
         if (auto status = store.remove_asset(submission.id); !status) return status.error();
-    auto asset = prepare(submission, *std::move(model), std::move(model.warnings));
+    std::vector<std::string> warnings = std::move(model.warnings);
+    auto asset = prepare(submission, *std::move(model), std::move(warnings));
     if (!asset) return asset;
     const std::lock_guard guard(mutex);
     push(submission.id, bytes);
