@@ -110,8 +110,10 @@ TEST(Preview, SheetsThatShareACellAreNotJoined) {
 TEST(Preview, SoupAndScatteredPiecesLeaveSomething) {
     const mesh::Mesh soup = testing::soup(3000);
     mesh::Mesh crumbs;
-    for (int i = 0; i < 500; ++i)
-        testing::append(crumbs, testing::tetrahedron(), {float(i % 23), float(i % 7), float(i / 23)}, 0.01f);
+    for (int i = 0; i < 500; ++i) {
+        const int row = i / 23;
+        testing::append(crumbs, testing::tetrahedron(), {float(i % 23), float(i % 7), float(row)}, 0.01f);
+    }
     for (const mesh::Mesh& mesh : {soup, crumbs})
         for (const std::uint64_t count : {1u, 7u, 200u}) {
             const Preview preview = preview_of(mesh, count);

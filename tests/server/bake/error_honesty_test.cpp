@@ -111,10 +111,12 @@ TEST_F(HonestyTest, PlanesWithSpikes) {
 // Detail of two sizes: the error has a step between the two.
 TEST_F(HonestyTest, ASceneOfLargeAndSmall) {
     mesh::Mesh scene = lodestream::testing::sphere(50);
-    for (int i = 0; i < 40; ++i)
+    for (int i = 0; i < 40; ++i) {
+        const int row = i / 8;
         lodestream::testing::append(scene, lodestream::testing::sphere(8),
-                                    {2.0f + 0.3f * static_cast<float>(i % 8), 0.3f * static_cast<float>(i / 8), 0},
+                                    {2.0f + 0.3f * static_cast<float>(i % 8), 0.3f * static_cast<float>(row), 0},
                                     0.05f);
+    }
     expect_honest("scene", scene);
 }
 
