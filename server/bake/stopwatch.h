@@ -1,4 +1,4 @@
-// Time spent, for figures. Private to the folder.
+// Time spent, for figures.
 #pragma once
 
 #include <chrono>

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cstdio>
 
 #include "common/mesh/operations.h"
 #include "common/simplify/history.h"
 #include "proto/records.h"
 #include "server/bake/bake.h"
+#include "server/bake/stopwatch.h"
 #include "server/bake/textures.h"
 #include "server/planner/baked_cache.h"
 #include "server/planner/hybrid_level.h"
@@ -21,15 +21,7 @@ namespace {
 constexpr int max_network_corrections = 3;
 constexpr double network_margin = 1.01;
 
-class Stopwatch {
-  public:
-    double ms() const {
-        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
-    }
-
-  private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
+using bake::Stopwatch;
 
 // Without the images, which are chosen apart.
 std::uint64_t geometry_bytes(const proto::Level& level) {
