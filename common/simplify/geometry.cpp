@@ -86,11 +86,17 @@ int typical_exponent(const mesh::Mesh& mesh, const Box& box) {
 
 }  // namespace
 
-Geometry weld(const mesh::Mesh& mesh) {
+Geometry weld(const mesh::Mesh& mesh, const Executor& executor) {
     Geometry g;
     const Box box = mesh::bounds(mesh);
     g.exponent = typical_exponent(mesh, box);
-    const std::vector<std::uint32_t> first = mesh::weld_positions(mesh.positions);
+    std::vector<std::uint32_t> first, order;
+    run(executor, 2, [&](std::size_t task) {
+        if (task == 0)
+            first = mesh::weld_positions(mesh.positions);
+        else
+            order = triangles_along_curve(mesh, box);
+    });
     std::vector<std::uint32_t> number(first.size(), none);
     const auto number_of = [&](std::uint32_t vertex) {
         std::uint32_t& position = number[vertex];
@@ -104,7 +110,7 @@ Geometry weld(const mesh::Mesh& mesh) {
     };
     g.triangle_of.reserve(mesh.triangles.size());
     g.faces.reserve(mesh.triangles.size());
-    for (const std::uint32_t t : triangles_along_curve(mesh, box)) {
+    for (const std::uint32_t t : order) {
         mesh::Triangle corners = mesh.triangles[t];
         for (std::uint32_t& c : corners) c = first[c];
         if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;

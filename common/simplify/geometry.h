@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/mesh/mesh.h"
+#include "common/simplify/executor.h"
 
 namespace lodestream::simplify {
 
@@ -17,6 +18,6 @@ struct Geometry {
     std::vector<mesh::Triangle> faces;       // of each face: positions, three different ones
 };
 
-Geometry weld(const mesh::Mesh& mesh);
+Geometry weld(const mesh::Mesh& mesh, const Executor& executor);
 
 }  // namespace lodestream::simplify

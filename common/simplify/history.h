@@ -10,6 +10,7 @@
 
 #include "common/base/result.h"
 #include "common/mesh/mesh.h"
+#include "common/simplify/executor.h"
 
 namespace lodestream::simplify {
 
@@ -51,13 +52,10 @@ using HistoryView = BasicHistory<ArrayView>;  // of a History, or of a file mapp
 
 HistoryView view(const History& history);
 
-// Runs task(0) … task(count - 1), each once, in any order and on any threads; returns when all have ended.
-using Executor = std::function<void(std::size_t count, const std::function<void(std::size_t)>& task)>;
-
 struct RecordOptions {
     // Called now and then with the share done in [0,1], one call at a time; returning false cancels the recording.
     std::function<bool(double)> progress;
-    Executor executor;  // empty: one task after the other. The result is the same bytes for every executor
+    Executor executor;  // the result is the same bytes for every one, and without one
 };
 
 // Records the whole history down to one triangle. Merges are placed where the integral of the squared distance to the

@@ -23,7 +23,7 @@ constexpr double max_share_left = 0.9;  // after a round; else regions are of no
 // A round makes no merge that costs more than this share of the edges now, so that regions stay alike and their
 // borders, which lie inside the next round's regions, do not fall far behind.
 constexpr double merged_quantile = 0.9;
-constexpr std::size_t sampled_positions = 16;  // one of so many is asked for that cost
+constexpr std::size_t sampled_positions = 64;  // one of so many is asked for that cost
 
 constexpr double retry_share = 0.9;  // refused merges are tried again when this share of the triangles is left
 constexpr std::size_t merges_per_report = 8192;
@@ -57,7 +57,7 @@ class Monitor {
 class Recorder {
   public:
     Recorder(mesh::Mesh mesh, const RecordOptions& options)
-        : options_(options), surface_(std::move(mesh)), monitor_(options, surface_.faces()) {
+        : options_(options), surface_(std::move(mesh), options.executor), monitor_(options, surface_.faces()) {
         in_region_.assign(surface_.positions(), 0);
     }
 
@@ -119,7 +119,8 @@ bool Recorder::simplify_regions(std::size_t round) {
     if (faces < min_divided_faces || static_cast<double>(faces) > max_share_left * static_cast<double>(last_faces_))
         return false;
     last_faces_ = faces;
-    const std::size_t regions = std::clamp<std::size_t>(faces / region_faces, 2, max_regions);
+    // An even number: two cores then end together.
+    const std::size_t regions = std::clamp<std::size_t>((faces / region_faces + 1) / 2 * 2, 2, max_regions);
     surface_.allow_all();
     const float limit = usual_cost(positions);
     std::vector<std::size_t> ends;
@@ -132,10 +133,7 @@ bool Recorder::simplify_regions(std::size_t round) {
         const std::size_t begin = r == 0 ? 0 : ends[r - 1];
         simplify_region(std::span(positions).subspan(begin, ends[r] - begin), limit, logs_[first_log + r]);
     };
-    if (options_.executor)
-        options_.executor(ends.size(), task);
-    else
-        for (std::size_t r = 0; r < ends.size(); ++r) task(r);
+    lodestream::simplify::run(options_.executor, ends.size(), task);
     return true;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <numeric>
 
 namespace lodestream::simplify {
@@ -15,6 +16,8 @@ constexpr std::size_t max_paired_at_edge = 32;
 
 // A vertex's neighbours up to this number are listed to compare them; beyond it they are looked up.
 constexpr std::size_t max_listed_ring = 64;
+
+constexpr std::size_t positions_per_task = 1u << 15;
 
 // A *dart* is a triangle's directed side: dart 3 * t + k runs from corner k to corner k + 1.
 constexpr std::uint32_t next_dart(std::uint32_t dart) {
@@ -30,9 +33,9 @@ std::uint32_t end_of(const Triangles& corners, std::uint32_t dart) {
     return start_of(corners, next_dart(dart));
 }
 
-// Calls visit(begin, end) for the darts of every undirected edge.
+// Calls visit(begin, end) for the darts of every undirected edge, of several edges at a time.
 template <class Visit>
-void for_each_edge(const Triangles& corners, std::size_t positions, Visit visit) {
+void for_each_edge(const Triangles& corners, std::size_t positions, const Executor& executor, const Visit& visit) {
     const auto darts = static_cast<std::uint32_t>(3 * corners.size());
     const auto low = [&](std::uint32_t d) { return std::min(start_of(corners, d), end_of(corners, d)); };
     const auto high = [&](std::uint32_t d) { return std::max(start_of(corners, d), end_of(corners, d)); };
@@ -42,8 +45,8 @@ void for_each_edge(const Triangles& corners, std::size_t positions, Visit visit)
     std::partial_sum(first.begin(), first.end(), first.begin());
     for (std::uint32_t d = 0; d < darts; ++d) sorted[first[low(d) + 1]++] = d;
 
-    for (std::size_t p = 0; p < positions; ++p) {
-        std::uint32_t *begin = sorted.data() + first[p], *end = sorted.data() + first[p + 1];
+    const auto visit_edges_from = [&](std::size_t position) {
+        std::uint32_t *begin = sorted.data() + first[position], *end = sorted.data() + first[position + 1];
         std::sort(begin, end,
                   [&](std::uint32_t a, std::uint32_t b) { return high(a) != high(b) ? high(a) < high(b) : a < b; });
         while (begin != end) {
@@ -52,13 +55,16 @@ void for_each_edge(const Triangles& corners, std::size_t positions, Visit visit)
             visit(begin, edge_end);
             begin = edge_end;
         }
-    }
+    };
+    for_each_run(executor, positions, positions_per_task, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p) visit_edges_from(p);
+    });
 }
 
 // Turns triangles around so that neighbours across an edge of two agree on which side is outside, where that can be.
-void orient(Triangles& corners, std::size_t positions) {
+void orient(Triangles& corners, std::size_t positions, const Executor& executor) {
     std::vector<std::uint32_t> neighbour(3 * corners.size(), none);
-    for_each_edge(corners, positions, [&](const std::uint32_t* begin, const std::uint32_t* end) {
+    for_each_edge(corners, positions, executor, [&](const std::uint32_t* begin, const std::uint32_t* end) {
         if (end - begin != 2) return;
         neighbour[begin[0]] = begin[1];
         neighbour[begin[1]] = begin[0];
@@ -116,9 +122,11 @@ void pair_darts(const Triangles& corners, const std::vector<Vec3f>& points, cons
 
 // Of every dart the one that runs the other way in the neighbouring triangle; none at a border of the sheet.
 // `conflict`: whether two triangles alone at an edge run along it the same way.
-std::vector<std::uint32_t> pair_all(const Triangles& corners, const std::vector<Vec3f>& points, bool& conflict) {
+std::vector<std::uint32_t> pair_all(const Triangles& corners, const std::vector<Vec3f>& points,
+                                    const Executor& executor, bool& conflict) {
     std::vector<std::uint32_t> mate(3 * corners.size(), none);
-    for_each_edge(corners, points.size(), [&](const std::uint32_t* begin, const std::uint32_t* end) {
+    std::atomic<bool> one_way{false};
+    for_each_edge(corners, points.size(), executor, [&](const std::uint32_t* begin, const std::uint32_t* end) {
         const auto count = static_cast<std::size_t>(end - begin);
         if (count == 2 && start_of(corners, begin[0]) != start_of(corners, begin[1])) {
             mate[begin[0]] = begin[1];
@@ -126,10 +134,15 @@ std::vector<std::uint32_t> pair_all(const Triangles& corners, const std::vector<
         } else if (count > 2 && count <= max_paired_at_edge) {
             pair_darts(corners, points, begin, end, mate);
         } else if (count == 2) {
-            conflict = true;
+            one_way = true;
         }
     });
+    conflict = one_way;
     return mate;
+}
+
+std::size_t edge_count(const std::vector<std::uint32_t>& mate) {
+    return (mate.size() + static_cast<std::size_t>(std::count(mate.begin(), mate.end(), none))) / 2;
 }
 
 // The first dart of the fan around a dart's start: the one at its border, or `dart` itself in a closed fan.
@@ -194,20 +207,25 @@ bool isolate_double_edges(std::vector<std::uint32_t>& mate, const std::vector<st
 
 }  // namespace
 
-SheetMesh::SheetMesh(const Triangles& corners, const std::vector<Vec3f>& points) {
+SheetMesh::SheetMesh(const Triangles& corners, const std::vector<Vec3f>& points, const Executor& executor) {
     Triangles turned;
     const Triangles* oriented = &corners;
     bool conflict = false;
-    std::vector<std::uint32_t> mate = pair_all(corners, points, conflict);
+    std::vector<std::uint32_t> mate = pair_all(corners, points, executor, conflict);
     if (conflict) {
         turned = corners;
-        orient(turned, points.size());
-        mate = pair_all(turned, points, conflict);
+        orient(turned, points.size(), executor);
+        mate = pair_all(turned, points, executor, conflict);
         oriented = &turned;
     }
     std::uint32_t sheets = 0;
-    std::vector<std::uint32_t> sheet_of_dart = number_fans(mate, sheets);
-    while (isolate_double_edges(mate, sheet_of_dart, sheets)) sheet_of_dart = number_fans(mate, sheets);
+    std::vector<std::uint32_t> sheet_of_dart;
+    const std::size_t edges = edge_count(mate);
+    run(executor, 2, [&](std::size_t task) {
+        if (task == 1) return connectivity_.resize(points.size(), edges, corners.size());  // the size, as a rule
+        sheet_of_dart = number_fans(mate, sheets);
+        while (isolate_double_edges(mate, sheet_of_dart, sheets)) sheet_of_dart = number_fans(mate, sheets);
+    });
     place_sheets(*oriented, sheet_of_dart, points.size(), sheets);
     turned = {};
     build(std::max<std::size_t>(sheets, simple_ ? points.size() : 0), mate, sheet_of_dart);

@@ -9,6 +9,7 @@
 
 #include "common/base/math.h"
 #include "common/mesh/mesh.h"
+#include "common/simplify/executor.h"
 
 namespace lodestream::simplify {
 
@@ -26,7 +27,7 @@ inline std::uint32_t index_of(const OpenMesh::BaseHandle& handle) {
 class SheetMesh {
   public:
     // `corners`: of every triangle three different positions, each < points.size(). Face i is corners[i].
-    SheetMesh(const std::vector<mesh::Triangle>& corners, const std::vector<Vec3f>& points);
+    SheetMesh(const std::vector<mesh::Triangle>& corners, const std::vector<Vec3f>& points, const Executor& executor);
 
     // The connectivity for reading. What has been taken out has no vertex (half-edges), half-edge (vertices, faces).
     const OpenMesh::TriConnectivity& connectivity() const { return connectivity_; }

@@ -39,8 +39,8 @@ float key_of_cost(double cost) {
 }
 
 // What the mesh and the geometry hold is freed as soon as it has been taken over: this is where memory peaks.
-Surface::Surface(mesh::Mesh mesh) {
-    Geometry g = weld(mesh);
+Surface::Surface(mesh::Mesh mesh, const Executor& executor) {
+    Geometry g = weld(mesh, executor);
     mesh.positions = {};
     exponent_ = g.exponent;
     points_ = std::move(g.points);
@@ -78,7 +78,7 @@ Surface::Surface(mesh::Mesh mesh) {
     g = {};
     for (const mesh::Triangle& t : face_wedges_)
         for (const std::uint32_t wedge : t) wedges_.add_use(wedge);
-    sheets_.emplace(one_wedge_each ? face_wedges_ : corners, points_);
+    sheets_.emplace(one_wedge_each ? face_wedges_ : corners, points_, executor);
     corners = {};
     prepare_positions();
 }

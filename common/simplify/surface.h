@@ -44,7 +44,7 @@ struct Merge {
 
 class Surface {
   public:
-    explicit Surface(mesh::Mesh mesh);
+    Surface(mesh::Mesh mesh, const Executor& executor);
 
     std::size_t positions() const { return points_.size(); }
     std::size_t faces() const { return face_wedges_.size(); }

@@ -16,8 +16,7 @@ void Worker::sink(std::size_t place, const Entry& entry) {
         const std::size_t first = place * branches + 1, last = std::min(first + branches, heap_.size());
         if (first >= last) break;
         std::size_t least = first;
-        for (std::size_t child = first + 1; child < last; ++child)
-            if (heap_[child] < heap_[least]) least = child;
+        for (std::size_t child = first + 1; child < last; ++child) least = heap_[child] < heap_[least] ? child : least;
         if (!(heap_[least] < entry)) break;
         heap_[place] = heap_[least];
         place = least;
@@ -26,7 +25,7 @@ void Worker::sink(std::size_t place, const Entry& entry) {
 }
 
 void Worker::push(EdgeHandle edge) {
-    const Entry entry{key_of_cost(surface_.offer(edge).cost), index_of(edge)};
+    const Entry entry(key_of_cost(surface_.offer(edge).cost), edge);
     std::size_t place = heap_.size();
     heap_.push_back(entry);
     while (place > 0 && entry < heap_[(place - 1) / branches]) {
@@ -52,7 +51,7 @@ void Worker::start(std::span<const std::uint32_t> positions, const std::vector<s
             const std::uint32_t end = sheets.to(h);
             if (end < position || !in_region[end]) return;
             const EdgeHandle edge = SheetMesh::edge(h);
-            heap_.push_back({key_of_cost(surface_.offer(edge).cost), index_of(edge)});
+            heap_.emplace_back(key_of_cost(surface_.offer(edge).cost), edge);
         });
     }
     for (std::size_t place = heap_.size() / branches + 1; place-- > 0;)
@@ -62,7 +61,7 @@ void Worker::start(std::span<const std::uint32_t> positions, const std::vector<s
 Merge Worker::next() {
     while (!heap_.empty()) {
         const Entry top = heap_.front();
-        const EdgeHandle edge(static_cast<int>(top.edge));
+        const EdgeHandle edge = top.edge();
         if (!surface_.sheets().is_live(edge)) {
             pop();
             continue;
@@ -74,9 +73,9 @@ Merge Worker::next() {
         }
         const Merge merge = surface_.offer(edge);
         const float cost = key_of_cost(merge.cost);
-        if (cost <= top.cost) return merge;
-        sink(0, {cost, top.edge});
-        if (heap_.front().edge == top.edge) return merge;
+        if (cost <= top.cost()) return merge;
+        sink(0, Entry(cost, edge));
+        if (heap_.front().edge() == edge) return merge;
     }
     return Merge{};
 }

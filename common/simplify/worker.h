@@ -2,6 +2,7 @@
 // changes: costs mostly grow, so what an edge was queued with is a lower bound.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -30,10 +31,14 @@ class Worker {
     bool retry_refused();
 
   private:
+    // By cost, then by edge: floats that are not negative are ordered as their bits are.
     struct Entry {
-        float cost;
-        std::uint32_t edge;
-        bool operator<(const Entry& o) const { return cost != o.cost ? cost < o.cost : edge < o.edge; }
+        std::uint64_t bits;
+        Entry(float cost, EdgeHandle edge)
+            : bits(std::uint64_t{std::bit_cast<std::uint32_t>(cost)} << 32 | index_of(edge)) {}
+        float cost() const { return std::bit_cast<float>(static_cast<std::uint32_t>(bits >> 32)); }
+        EdgeHandle edge() const { return EdgeHandle(static_cast<int>(bits & 0xffffffffu)); }
+        bool operator<(const Entry& o) const { return bits < o.bits; }
     };
     void push(EdgeHandle edge);
     void pop();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <iostream>
+#include <utility>
 
 #include "tests/bench/engine.h"
 #include "tests/bench/fit.h"
@@ -46,14 +47,15 @@ std::vector<std::string> specs_of(const std::string& series) {
     return specs;
 }
 
-GrowthResult measure_growth(const std::string& series, const mesh::Mesh& mesh, int rounds) {
+GrowthResult measure_growth(const std::string& series, mesh::Mesh mesh, int rounds) {
     GrowthResult result{series, mesh.triangles.size(), mesh.positions.size(), {}, 0.0};
-    const std::uint64_t bytes = peak_growth_bytes([&] { record(mesh); });
+    const std::uint64_t bytes = peak_growth_bytes([&] { record(std::exchange(mesh, {})); });
     result.bytes_per_vertex = static_cast<double>(bytes) / static_cast<double>(mesh.positions.size());
     std::vector<double> wall, cpu;
     for (int round = 0; round < rounds; ++round) {
+        mesh::Mesh own = mesh;
         const Stopwatch time;
-        const Recording recording = record(mesh);
+        const Recording recording = record(std::move(own));
         const Duration took = time.elapsed();
         wall.push_back(took.wall_ms);
         cpu.push_back(took.cpu_ms);
@@ -150,11 +152,11 @@ void run(const Arguments& arguments) {
     std::vector<GrowthResult> results;
     for (const std::string& series : arguments.series)
         for (const std::string& spec : specs_of(series)) {
-            const Result<Input> input = load_input(spec, arguments.data);
+            Result<Input> input = load_input(spec, arguments.data);
             if (!input) throw std::runtime_error(input.error().message);
             if (input->mesh.triangles.size() > arguments.max_triangles) break;
             std::cerr << spec << std::endl;
-            results.push_back(measure_growth(series, input->mesh, arguments.rounds));
+            results.push_back(measure_growth(series, std::move(input->mesh), arguments.rounds));
         }
     std::cout << growth_table(results) << '\n' << fit_table(results, arguments.series);
     print_memory_verdict(results);

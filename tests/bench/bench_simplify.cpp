@@ -125,13 +125,13 @@ void run(const Arguments& arguments) {
     std::vector<ModelResult> models;
     for (const std::string& spec :
          arguments.models.empty() ? default_inputs(arguments.data) : expanded(arguments.models)) {
-        const Result<Input> input = load_input(spec, arguments.data);
+        Result<Input> input = load_input(spec, arguments.data);
         if (!input) throw std::runtime_error(input.error().message);
         std::cerr << input->name << ": " << input->mesh.triangles.size() << " triangles, "
                   << input->mesh.positions.size() << " vertices; made manifold by dropping "
                   << input->repairs.dropped_triangles << " triangles and splitting " << input->repairs.split_vertices
                   << " vertices" << std::endl;
-        models.push_back(compare_methods(*input, options));
+        models.push_back(compare_methods(std::move(*input), options));
         std::cout << comparison_table(models.back()) << std::endl;
     }
     const std::vector<Verdict> all = verdicts(models);

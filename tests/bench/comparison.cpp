@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "common/mesh/operations.h"
 #include "tests/bench/engine.h"
@@ -111,14 +112,14 @@ void measure_pictures(const mesh::Mesh& full, const std::vector<std::vector<Run>
 
 }  // namespace
 
-ModelResult compare_methods(const Input& input, const ComparisonOptions& options) {
-    const mesh::Mesh& mesh = input.mesh;
+ModelResult compare_methods(Input input, const ComparisonOptions& options) {
+    mesh::Mesh& mesh = input.mesh;
     ModelResult result{
         input.name, mesh.triangles.size(), mesh.positions.size(), mesh::bounds(mesh).diagonal(), input.repairs, {}};
     const std::vector<std::uint64_t> counts = counts_of(mesh);
     std::optional<double> bytes_per_vertex;
     if (options.memory) {
-        const std::uint64_t bytes = peak_growth_bytes([&] { record(mesh); });
+        const std::uint64_t bytes = peak_growth_bytes([&] { record(std::exchange(mesh, {})); });
         bytes_per_vertex = static_cast<double>(bytes) / static_cast<double>(result.vertices);
     }
     const std::vector<std::vector<Run>> runs = run_in_turns(mesh, counts, options);

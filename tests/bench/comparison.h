@@ -55,6 +55,6 @@ struct ComparisonOptions {
         picture_folder;  // empty: none; else the first view of all methods at each level, side by side
 };
 
-ModelResult compare_methods(const Input& input, const ComparisonOptions& options);
+ModelResult compare_methods(Input input, const ComparisonOptions& options);
 
 }  // namespace lodestream::bench

@@ -1,16 +1,17 @@
 #include "tests/bench/engine.h"
 
 #include <stdexcept>
+#include <utility>
 
 #include "server/bake/executor.h"
 #include "tests/bench/methods.h"
 
 namespace lodestream::bench {
 
-Recording record(const mesh::Mesh& mesh) {
+Recording record(mesh::Mesh mesh) {
     simplify::RecordOptions options;
     options.executor = bake::all_cores();
-    Result<simplify::History> history = simplify::record_history(mesh, options);
+    Result<simplify::History> history = simplify::record_history(std::move(mesh), options);
     if (!history) throw std::runtime_error(history.error().message);
     return {std::move(*history)};
 }
@@ -21,8 +22,9 @@ mesh::Mesh cut(const Recording& recording, std::uint64_t triangles) {
 
 Run run_ours(const mesh::Mesh& mesh, const std::vector<std::uint64_t>& counts) {
     Run run;
+    mesh::Mesh own = mesh;
     const Stopwatch recording_time;
-    const Recording recording = record(mesh);
+    const Recording recording = record(std::move(own));
     const Duration recorded = recording_time.elapsed();
     const Stopwatch cut_time;
     for (const std::uint64_t count : counts) run.levels.push_back({cut(recording, count), recorded});

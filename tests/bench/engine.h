@@ -12,8 +12,8 @@ struct Recording {
     simplify::History history;
 };
 
-// Recorded on all cores. Terminates with the error's message where the engine refuses.
-Recording record(const mesh::Mesh& mesh);
+// Recorded on all cores; the mesh is freed on the way. Terminates with the error's message where the engine refuses.
+Recording record(mesh::Mesh mesh);
 mesh::Mesh cut(const Recording& recording, std::uint64_t triangles);
 
 }  // namespace lodestream::bench

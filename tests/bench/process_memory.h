@@ -8,8 +8,8 @@ namespace lodestream::bench {
 
 // By how much the resident set grows at its peak while `work` runs in a forked copy of this process. What the heap
 // holds free is handed back first and the kernel's high-water mark is reset, so all that the work touches is counted,
-// however it was allocated, and nothing that was there before. Throws std::runtime_error where the kernel has no such
-// mark or the work failed.
+// however it was allocated, and nothing that was there before. What the work takes from this process or changes in it
+// is so in the copy alone. Throws std::runtime_error where the kernel has no such mark or the work failed.
 std::uint64_t peak_growth_bytes(const std::function<void()>& work);
 
 }  // namespace lodestream::bench

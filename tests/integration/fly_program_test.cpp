@@ -1,11 +1,8 @@
 // `lodestream-client fly` and `probe` as programs: against a served teapot, from the command line to the files.
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +11,7 @@
 #include <vector>
 
 #include "proto/messages.h"
+#include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
 namespace lodestream {
@@ -37,42 +35,13 @@ Ended run(const std::string& command) {
     return ended;
 }
 
-// A server of one small teapot, ended with its object.
-class TeapotServer {
-  public:
-    explicit TeapotServer(const fs::path& store) {
-        const Ended baked = run(LODESTREAM_SERVER " bake sample:teapot:800 --store " + store.string());
-        EXPECT_EQ(baked.code, 0) << baked.output;
-        int ends[2];
-        if (::pipe2(ends, O_CLOEXEC) != 0) return;
-        pid_ = ::fork();
-        if (pid_ == 0) {
-            ::dup2(ends[1], STDOUT_FILENO);
-            ::execl(LODESTREAM_SERVER, LODESTREAM_SERVER, "serve", "--listen", "127.0.0.1:0", "--store", store.c_str(),
-                    static_cast<char*>(nullptr));
-            ::_exit(127);
-        }
-        ::close(ends[1]);
-        output_ = ::fdopen(ends[0], "r");
-        char banner[128] = "";
-        const std::string prefix = "listening on ";
-        if (std::fgets(banner, sizeof banner, output_) != nullptr) url = std::string(banner).substr(prefix.size());
-        while (!url.empty() && (url.back() == '\n' || url.back() == ' ')) url.pop_back();
-    }
-    ~TeapotServer() {
-        ::kill(pid_, SIGKILL);
-        ::waitpid(pid_, nullptr, 0);
-        std::fclose(output_);
-    }
-    TeapotServer(const TeapotServer&) = delete;
-    TeapotServer& operator=(const TeapotServer&) = delete;
-
-    std::string url;
-
-  private:
-    pid_t pid_ = -1;
-    std::FILE* output_ = nullptr;
-};
+// A store of one small teapot.
+std::string baked_teapot(const testing::TemporaryFolder& folder) {
+    const std::string store = (folder.path() / "store").string();
+    const Ended baked = run(LODESTREAM_SERVER " bake sample:teapot:800 --store " + store);
+    EXPECT_EQ(baked.code, 0) << baked.output;
+    return store;
+}
 
 std::vector<std::string> lines_of(const fs::path& file) {
     std::ifstream in(file);
@@ -90,7 +59,7 @@ std::vector<double> numbers_of(const std::string& row) {
 
 TEST(FlyProgram, WritesARowAndAPictureAFrame) {
     const testing::TemporaryFolder folder;
-    const TeapotServer server(folder.path() / "store");
+    const testing::ServerProgram server(LODESTREAM_SERVER, baked_teapot(folder));
     const fs::path motion = folder.path() / "motion.csv", out = folder.path() / "flight.csv";
     std::ofstream(motion) << "t_s,x,y,z,yaw_deg,pitch_deg\n0,,,,0,0\n0.2,,,,20,5\n0.4,0,1,5,0,-10\n";
     const Ended flown = run(LODESTREAM_CLIENT " fly --server " + server.url + " --asset teapot --motion " +
@@ -113,7 +82,7 @@ TEST(FlyProgram, WritesARowAndAPictureAFrame) {
 
 TEST(FlyProgram, SaysWhatIsWrongInOneLine) {
     const testing::TemporaryFolder folder;
-    const TeapotServer server(folder.path() / "store");
+    const testing::ServerProgram server(LODESTREAM_SERVER, baked_teapot(folder));
     const std::string common = LODESTREAM_CLIENT " fly --server " + server.url + " --out " +
                                (folder.path() / "x.csv").string() + " --width 64 --height 48 ";
     const Ended no_asset = run(common + "--asset kettle --motion builtin:nod");

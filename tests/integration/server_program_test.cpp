@@ -1,18 +1,16 @@
 // The real lodestream-server program over a real socket and a real store.
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "proto/messages.h"
 #include "tests/server/http/raw_client.h"
+#include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
 namespace lodestream {
@@ -26,62 +24,16 @@ using ::testing::HasSubstr;
 
 constexpr auto patience = std::chrono::seconds(240);  // for a small bake on a slow machine under a sanitizer
 
-// A started program whose standard output is read; killed with its object.
-class Program {
+class Program : public testing::Program {
   public:
-    explicit Program(std::vector<std::string> arguments) {
-        arguments.insert(arguments.begin(), LODESTREAM_SERVER);
-        std::vector<char*> argv;
-        for (std::string& argument : arguments) argv.push_back(argument.data());
-        argv.push_back(nullptr);
-        int ends[2];
-        if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
-        pid_ = ::fork();
-        if (pid_ == 0) {
-            ::dup2(ends[1], STDOUT_FILENO);
-            ::execv(argv[0], argv.data());
-            ::_exit(127);
-        }
-        ::close(ends[1]);
-        output_ = ::fdopen(ends[0], "r");
-    }
-    ~Program() {
-        if (pid_ > 0) {
-            ::kill(pid_, SIGKILL);
-            wait();
-        }
-        std::fclose(output_);
-    }
-    Program(const Program&) = delete;
-    Program& operator=(const Program&) = delete;
-
-    std::string read_line() {
-        std::string line;
-        for (int c = std::fgetc(output_); c != EOF && c != '\n'; c = std::fgetc(output_)) line += static_cast<char>(c);
-        return line;
-    }
-    void signal(int number) const { ::kill(pid_, number); }
-    // The exit code, or minus the signal that ended it.
-    int wait() {
-        int status = 0;
-        ::waitpid(pid_, &status, 0);
-        pid_ = -1;
-        return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-    }
-
-  private:
-    pid_t pid_ = -1;
-    std::FILE* output_ = nullptr;
+    explicit Program(std::vector<std::string> arguments) : testing::Program(LODESTREAM_SERVER, std::move(arguments)) {}
 };
 
-class Server : public Program {
+class Server : public testing::ServerProgram {
   public:
-    explicit Server(const fs::path& store, std::vector<std::string> more = {})
-        : Program(arguments(store, std::move(more))), banner_(read_line()) {
-        const std::string prefix = "listening on http://127.0.0.1:";
-        if (!banner_.starts_with(prefix)) throw std::runtime_error("the server said \"" + banner_ + "\"");
-        port = static_cast<std::uint16_t>(std::stoi(banner_.substr(prefix.size())));
-    }
+    explicit Server(const fs::path& store, const std::vector<std::string>& more = {})
+        : ServerProgram(LODESTREAM_SERVER, store.string(), more),
+          port(static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1)))) {}
 
     RawResponse call(const std::string& method, const std::string& target, const std::string& body = {},
                      const std::string& fields = {}) {
@@ -103,15 +55,7 @@ class Server : public Program {
         return asset;
     }
 
-    std::uint16_t port = 0;
-
-  private:
-    static std::vector<std::string> arguments(const fs::path& store, std::vector<std::string> more) {
-        std::vector<std::string> all{"serve", "--listen", "127.0.0.1:0", "--store", store.string()};
-        all.insert(all.end(), more.begin(), more.end());
-        return all;
-    }
-    std::string banner_;
+    const std::uint16_t port;
 };
 
 // A field of n×n quads with hills, as OBJ.
@@ -284,7 +228,8 @@ TEST(ServerProgram, CtrlCCancelsABake) {
     EXPECT_EQ(bake.read_line(), "");
     EXPECT_EQ(bake.wait(), 1);
     Server server(store);
-    for (const json& asset : server.get("/v1/assets")["assets"]) EXPECT_EQ(asset["status"], "failed");
+    const json answer = server.get("/v1/assets");
+    for (const json& asset : answer["assets"]) EXPECT_EQ(asset["status"], "failed");
 }
 
 // Polls until the server has `count` assets, however they are.

@@ -70,7 +70,8 @@ TEST_F(ReadyService, ListsAssetsAndTheirLadders) {
 }
 
 TEST_F(ReadyService, EveryLevelOfTheLadderCanBeFetched) {
-    for (const json& level : json_of(get("/v1/assets/teapot"))["levels"]) {
+    const json asset = json_of(get("/v1/assets/teapot"));
+    for (const json& level : asset["levels"]) {
         const Response response = get(level["url"]);
         ASSERT_EQ(response.status, 200) << level;
         EXPECT_EQ(response.file_length, level["bytes"]);
