@@ -1,6 +1,7 @@
 // The server's operator new: large blocks ask for large pages. A bake touches hundreds of megabytes once; with pages of
 // 4 KiB the kernel takes a tenth of its time to hand them out. Linked into programs; without support for such pages
 // (Linux: transparent_hugepage) nothing changes.
+#include <malloc.h>
 #include <sys/mman.h>
 
 #include <cstdlib>
@@ -10,6 +11,11 @@ namespace {
 
 constexpr std::size_t large_page = std::size_t{2} << 20;
 constexpr std::size_t min_large_block = 2 * large_page;
+
+// A block from here on has a mapping of its own, which goes back to the kernel when it is freed. The C library would
+// raise this as large blocks are freed, and holes between the later ones would then stay resident.
+constexpr int min_mapped_block = 1 << 20;
+[[maybe_unused]] const int mapped = mallopt(M_MMAP_THRESHOLD, min_mapped_block);
 
 void* try_allocate(std::size_t size) noexcept {
     if (size < min_large_block) return std::malloc(size > 0 ? size : 1);
