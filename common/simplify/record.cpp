@@ -22,7 +22,7 @@ constexpr double region_share = 0.4;    // of a region's triangles that are left
 constexpr double max_share_left = 0.9;  // after a round; else regions are of no use to this surface
 // A round makes no merge that costs more than this share of the edges now, so that regions stay alike and their
 // borders, which lie inside the next round's regions, do not fall far behind.
-constexpr double merged_quantile = 0.9;
+constexpr double merged_quantile = 0.75;
 constexpr std::size_t sampled_positions = 64;  // one of so many is asked for that cost
 
 constexpr double retry_share = 0.9;  // refused merges are tried again when this share of the triangles is left

@@ -111,6 +111,7 @@ void Surface::end_merging() {
     held_ = {};
     keys_ = {};
     rules_ = {};
+    wedges_.end_merging();
 }
 
 std::uint32_t Surface::position_of_wedge(std::uint32_t wedge) const {

@@ -44,7 +44,7 @@ Attributes mix(const Attributes& a, const Attributes& b, double weight) {
 
 Wedges::Wedges(const mesh::Mesh& mesh, const std::vector<std::uint32_t>& positions, std::uint32_t count,
                std::vector<std::uint32_t>& wedge_of_vertex)
-    : uses_(positions.size(), 0) {
+    : size_(positions.size()), uses_(positions.size(), 0) {
     first_.assign(count + 1, 0);
     for (const std::uint32_t p : positions) ++first_[p + 1];
     std::partial_sum(first_.begin(), first_.end(), first_.begin());

@@ -32,17 +32,19 @@ class Wedges {
     Range at(std::uint32_t position) const {
         return first_.empty() ? Range{position, position + 1} : Range{first_[position], first_[position + 1]};
     }
-    std::size_t size() const { return uses_.size(); }
+    std::size_t size() const { return size_; }
 
     // Vertices of one position that agree in texture coordinate, colour and material share a group; normals do not
     // count.
     std::uint32_t group(std::uint32_t wedge) const { return group_.empty() ? wedge : group_[wedge]; }
     bool has_seam(std::uint32_t position) const;
 
-    // The corners of triangles at a wedge.
+    // The corners of triangles at a wedge; counted until merging ends.
     void add_use(std::uint32_t wedge) { ++uses_[wedge]; }
     void drop_uses(std::uint32_t wedge, std::uint32_t count) { uses_[wedge] -= count; }
     bool is_used(std::uint32_t wedge) const { return uses_[wedge] > 0; }
+
+    void end_merging() { uses_ = {}; }
 
     // The area around a wedge, >= 0: how much its normal counts.
     void weigh_normal(std::uint32_t wedge, double area);
@@ -75,6 +77,7 @@ class Wedges {
     std::uint32_t nearest(std::uint32_t wedge, Range candidates) const;
     void find_groups(std::uint32_t positions);
 
+    std::size_t size_ = 0;
     std::vector<Vec3f> normals_;
     std::vector<Vec2f> texture_coordinates_;
     std::vector<Rgba8> colors_;
