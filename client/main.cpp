@@ -7,6 +7,7 @@
 #include "client/fly_command.h"
 #include "client/probe/probe.h"
 #include "client/render/image.h"
+#include "client/report/machine.h"
 #include "client/report/report.h"
 #include "client/sdk/client.h"
 #include "client/view_command.h"
@@ -101,7 +102,7 @@ int run(int argc, char** argv) {
     fly_app->callback([&] { command = [&] { return client::fly(fly); }; });
 
     report::ReportOptions report;
-    for (int i = 0; i < argc; ++i) report.command_line += (i > 0 ? " " : "") + std::string(argv[i]);
+    report.command_line = report::joined(argc, argv);
     CLI::App* report_app =
         app.add_subcommand("report", "Error against run time for every stage, as report.html and report.json");
     report_app->add_option("--out", report.out, "Folder to write; made where missing")->required();
@@ -110,6 +111,8 @@ int run(int argc, char** argv) {
     report_app->add_option("--server", report.server_url, "http://HOST:PORT; left out: a server of its own")
         ->check(is_server)
         ->excludes(assets);
+    report_app->add_option("--methods", report.methods,
+                           "What `lodestream_bench_simplify --json FILE` wrote: adds the peers of simplification");
     report_app->add_flag("--quick", report.quick, "Fewer and smaller models, fewer frames");
     report_app->add_flag("--json", report.json, "Print report.json instead of the table");
     report_app->footer("Example:\n  lodestream-client report --out report --quick");

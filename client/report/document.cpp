@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "client/report/machine.h"
 #include "client/report/plot.h"
 #include "client/report/sections.h"
 #include "client/report/text.h"
@@ -46,16 +47,6 @@ details{margin:1rem 0}details>summary{cursor:pointer;color:var(--accent)}
 .panels img{width:100%;height:auto;display:block;border:1px solid var(--edge);border-radius:3px;background:#fff}
 .panels span{font-size:.75rem;color:var(--muted);text-align:center}
 )css";
-
-std::string machine_text(const Provenance& from) {
-    return from.cpu + ", " + std::to_string(from.cores) + (from.cores == 1 ? " core" : " cores") + "; " +
-           from.renderer + (from.software_renderer ? " (drawn by the CPU)" : "");
-}
-
-std::string source_line(const Provenance& from) {
-    return "<code>" + escape_html(from.command) + "</code> · commit " + escape_html(from.commit) + " · " +
-           escape_html(machine_text(from)) + " · " + escape_html(from.date);
-}
 
 std::string folded(const std::string& title, const std::string& html) {
     return "<details><summary>" + title + "</summary>\n" + html + "</details>\n";

@@ -5,15 +5,15 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <ctime>
 #include <fstream>
 #include <iostream>
 #include <thread>
 
 #include "client/render/gl_context.h"
-#include "client/report/commit.h"
 #include "client/report/document.h"
 #include "client/report/gather.h"
+#include "client/report/machine.h"
+#include "client/report/methods.h"
 #include "client/report/sections.h"
 #include "client/report/server_process.h"
 #include "client/report/text.h"
@@ -21,27 +21,12 @@
 namespace lodestream::report {
 namespace {
 
-std::string cpu_model() {
-    std::ifstream file("/proc/cpuinfo");
-    for (std::string line; std::getline(file, line);)
-        if (line.starts_with("model name")) {
-            const std::size_t at = line.find(": ");
-            if (at != std::string::npos) return line.substr(at + 2);
-        }
-    return "unknown CPU";
-}
-
-std::string utc_now() {
-    const std::time_t now = std::time(nullptr);
-    std::tm parts{};
-    char buffer[32] = "";
-    if (gmtime_r(&now, &parts)) std::strftime(buffer, sizeof buffer, "%Y-%m-%dT%H:%M:%SZ", &parts);
-    return buffer;
-}
-
 Provenance provenance(const ReportOptions& options, const render::GlContext& context) {
-    return {options.command_line, built_commit(),     utc_now(),    cpu_model(), std::thread::hardware_concurrency(),
-            context.renderer(),   context.software(), options.quick};
+    Provenance from = provenance_of(options.command_line);
+    from.renderer = context.renderer();
+    from.software_renderer = context.software();
+    from.quick = options.quick;
+    return from;
 }
 
 // One line on a terminal's stderr, replaced with every step; nothing elsewhere.
@@ -136,6 +121,12 @@ void print(const ReportData& data, const ReportOptions& options, const std::stri
 
 Status run(const ReportOptions& options) {
     if (Status made = make_folders(options.out); !made) return made;
+    std::optional<MethodComparison> methods;
+    if (options.methods) {
+        Result<MethodComparison> read = read_methods(*options.methods);
+        if (!read) return read.error();
+        methods = *std::move(read);
+    }
     const Interrupts interrupts;
     std::optional<ServerProcess> server;
     if (options.server_url.empty()) {
@@ -145,6 +136,7 @@ Status run(const ReportOptions& options) {
     }
     Result<ReportData> data = measure(options, server ? server->url() : options.server_url);
     if (!data) return data.error();
+    data->methods = std::move(methods);
 
     const std::string json = json_document(*data);
     if (Status written = write_text(options.out / "report.html", html_document(*data)); !written) return written;

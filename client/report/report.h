@@ -12,10 +12,11 @@ namespace lodestream::report {
 struct ReportOptions {
     std::string server_url;     // empty: a server of its own with the built-in samples, stopped at the end
     std::filesystem::path out;  // made where missing; report.html, report.json, pictures/
-    std::optional<std::filesystem::path> assets;  // folder of models for that server; not with server_url
-    bool quick = false;                           // models that are ready soon and small, fewer levels and frames
-    bool json = false;                            // report.json on stdout instead of the table
-    std::string command_line;                     // as typed; printed with every table
+    std::optional<std::filesystem::path> assets;   // folder of models for that server; not with server_url
+    std::optional<std::filesystem::path> methods;  // what the simplification benchmark wrote, to be shown beside ours
+    bool quick = false;                            // models that are ready soon and small, fewer levels and frames
+    bool json = false;                             // report.json on stdout instead of the table
+    std::string command_line;                      // as typed; printed with every table
 };
 
 // Waits until nothing is baking, measures, writes the files and prints one table. Progress on stderr where it is a

@@ -32,8 +32,11 @@ Table overview_table(const ReportData& data) {
 }
 
 std::vector<Section> sections(const ReportData& data) {
-    return {budget_section(data),  simplification_section(data), codec_section(data),
-            shading_section(data), end_to_end_section(data),     frame_rate_section(data)};
+    std::vector<Section> all{budget_section(data), simplification_section(data)};
+    if (data.methods) all.push_back(methods_section(*data.methods));
+    for (auto* section : {codec_section, shading_section, end_to_end_section, frame_rate_section})
+        all.push_back(section(data));
+    return all;
 }
 
 }  // namespace lodestream::report

@@ -115,6 +115,9 @@ Geometry weld(const mesh::Mesh& mesh, const Executor& executor) {
         for (std::uint32_t& c : corners) c = first[c];
         if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
         for (std::uint32_t& c : corners) c = number_of(c);
+        // Beside coordinates that are 2^70 times larger, small ones can round to one spot.
+        const Vec3f &a = g.points[corners[0]], &b = g.points[corners[1]], &c = g.points[corners[2]];
+        if (a == b || b == c || c == a) continue;
         g.triangle_of.push_back(t);
         g.faces.push_back(corners);
     }

@@ -47,6 +47,19 @@ struct Log {
         faces.reserve(2 * merges);
     }
 
+    // Frees the room that was not needed.
+    void shrink() {
+        heads.shrink_to_fit();
+        deaths.shrink_to_fit();
+        changed.shrink_to_fit();
+        positions.shrink_to_fit();
+        normals.shrink_to_fit();
+        texture_coordinates.shrink_to_fit();
+        colors.shrink_to_fit();
+        corners.shrink_to_fit();
+        faces.shrink_to_fit();
+    }
+
     float last_key() const { return heads.empty() ? 0.0f : heads.back().key; }
 
     // pre: key >= last_key(). Every entry since the step before is this step's.

@@ -165,6 +165,7 @@ void Recorder::simplify_region(std::span<const std::uint32_t> positions, float l
         vanished += worker.take(merge, 3);
         if (vanished >= goal) monitor_.report(vanished - reported);
     }
+    log.shrink();
     std::fill(in_region_.begin() + positions.front(), in_region_.begin() + positions.back() + 1, std::uint8_t{0});
 }
 

@@ -9,13 +9,15 @@
 
 namespace {
 
-constexpr std::size_t large_page = std::size_t{2} << 20;
+constexpr std::size_t large_page = 2 << 20;
 constexpr std::size_t min_large_block = 2 * large_page;
 
-// A block from here on has a mapping of its own, which goes back to the kernel when it is freed. The C library would
-// raise this as large blocks are freed, and holes between the later ones would then stay resident.
-constexpr int min_mapped_block = 1 << 20;
-[[maybe_unused]] const int mapped = mallopt(M_MMAP_THRESHOLD, min_mapped_block);
+// A large block has a mapping of its own, which goes back to the kernel when it is freed. The C library would raise
+// that threshold as large blocks are freed, and holes between the later ones would then stay resident. Smaller blocks
+// come from a heap that keeps this much at its end for the next ones.
+constexpr int kept_heap = 32 << 20;
+[[maybe_unused]] const bool set =
+    mallopt(M_MMAP_THRESHOLD, static_cast<int>(min_large_block)) != 0 && mallopt(M_TRIM_THRESHOLD, kept_heap) != 0;
 
 void* try_allocate(std::size_t size) noexcept {
     if (size < min_large_block) return std::malloc(size > 0 ? size : 1);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "client/report/machine.h"
 #include "tests/bench/comparison.h"
 #include "tests/bench/table.h"
 #include "tests/bench/verdict.h"
@@ -23,6 +24,7 @@ struct Arguments {
     std::vector<std::string> only{"ours", "meshopt", "cgal", "openmesh"};
     std::vector<std::string> rows{"error", "image", "memory"};
     std::string json_file, picture_folder;
+    std::string command_line;  // as typed
     int rounds = 5;
 };
 
@@ -72,13 +74,23 @@ json to_json(const Verdict& verdict) {
     return j;
 }
 
-void write_json(const std::string& file, const std::vector<ModelResult>& models, const std::vector<Verdict>& all) {
-    json j{{"models", json::array()}, {"verdicts", json::array()}};
+json to_json(const report::Provenance& from) {
+    return {{"command", from.command},
+            {"commit", from.commit},
+            {"date", from.date},
+            {"cpu", from.cpu},
+            {"cores", from.cores}};
+}
+
+void write_json(const Arguments& arguments, const std::vector<ModelResult>& models, const std::vector<Verdict>& all) {
+    json j{{"run", to_json(report::provenance_of(arguments.command_line))},
+           {"models", json::array()},
+           {"verdicts", json::array()}};
     for (const ModelResult& model : models) j["models"].push_back(to_json(model));
     for (const Verdict& verdict : all) j["verdicts"].push_back(to_json(verdict));
-    std::ofstream out(file);
+    std::ofstream out(arguments.json_file);
     out << j.dump(2) << '\n';
-    if (!out) throw std::runtime_error("cannot write " + file);
+    if (!out) throw std::runtime_error("cannot write " + arguments.json_file);
 }
 
 // Folders become the model files below them.
@@ -137,7 +149,7 @@ void run(const Arguments& arguments) {
     const std::vector<Verdict> all = verdicts(models);
     std::cout << verdict_table(all)
               << "\nwall over CPU time of the peers (1 on a quiet machine): " << fixed(busyness(models), 2) << '\n';
-    if (!arguments.json_file.empty()) write_json(arguments.json_file, models, all);
+    if (!arguments.json_file.empty()) write_json(arguments, models, all);
 }
 
 }  // namespace
@@ -145,6 +157,7 @@ void run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
     lodestream::bench::Arguments arguments;
+    arguments.command_line = lodestream::report::joined(argc, argv);
     CLI::App app{
         "Simplifies large models with this project's engine, meshoptimizer, CGAL and OpenMesh in turns, and prints "
         "times, errors and ratios. Exits with 0 whatever the ratios: they depend on the machine."};
@@ -162,7 +175,8 @@ int main(int argc, char** argv) {
     app.add_option("--rounds", arguments.rounds, "runs of each method; slow ones get fewer")
         ->check(CLI::Range(1, 100))
         ->capture_default_str();
-    app.add_option("--json", arguments.json_file, "where to write the numbers");
+    app.add_option("--json", arguments.json_file,
+                   "where to write the numbers, for `lodestream-client report --methods` too");
     app.add_option("--pictures", arguments.picture_folder, "where to write a picture of each level: full model first");
     CLI11_PARSE(app, argc, argv);
     try {

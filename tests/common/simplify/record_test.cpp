@@ -286,6 +286,17 @@ TEST(Record, SurvivesExtentsAtTheEdgeOfFloat) {
     EXPECT_EQ(level_of(mixed, 60).triangles.size(), 60u);
 }
 
+TEST(Record, LeavesOutWhatRoundsAwayBesideSomethingEnormous) {
+    Mesh mixed = sphere(8);
+    append(mixed, sphere(8), {0, 0, 0}, 1e-26f);
+    append(mixed, sphere(8), {0, 0, 0}, 1e36f);
+    const History history = record(mixed);
+    EXPECT_LT(triangle_count(view(history)), mixed.triangles.size());
+    EXPECT_GE(triangle_count(view(history)), 2 * sphere(8).triangles.size());
+    for (const std::uint64_t budget : {1, 30, 100, 1000})
+        EXPECT_EQ(cut(history, budget).triangles.size(), triangles_within(view(history), budget));
+}
+
 TEST(Record, SurvivesAHubOfVeryManyTriangles) {
     Mesh m;
     const std::uint32_t rim = 3000;
