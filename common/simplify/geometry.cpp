@@ -84,16 +84,26 @@ int typical_exponent(const mesh::Mesh& mesh, const Box& box) {
     return std::max(typical, extent - max_extent_exponent);
 }
 
+// Beside coordinates that are 2^70 times larger, small ones round to one spot; they are one position then.
+std::vector<Vec3f> scaled_positions(const mesh::Mesh& mesh, int exponent) {
+    const double scale = std::ldexp(1.0, -exponent);
+    std::vector<Vec3f> scaled;
+    scaled.reserve(mesh.positions.size());
+    for (const Vec3f& p : mesh.positions) scaled.emplace_back(Vec3d(p) * scale);
+    return scaled;
+}
+
 }  // namespace
 
 Geometry weld(const mesh::Mesh& mesh, const Executor& executor) {
     Geometry g;
     const Box box = mesh::bounds(mesh);
     g.exponent = typical_exponent(mesh, box);
+    const std::vector<Vec3f> scaled = scaled_positions(mesh, g.exponent);
     std::vector<std::uint32_t> first, order;
     run(executor, 2, [&](std::size_t task) {
         if (task == 0)
-            first = mesh::weld_positions(mesh.positions);
+            first = mesh::weld_positions(scaled);
         else
             order = triangles_along_curve(mesh, box);
     });
@@ -102,9 +112,7 @@ Geometry weld(const mesh::Mesh& mesh, const Executor& executor) {
         std::uint32_t& position = number[vertex];
         if (position == none) {
             position = static_cast<std::uint32_t>(g.points.size());
-            const Vec3f& p = mesh.positions[vertex];
-            g.points.emplace_back(std::ldexp(p.x, -g.exponent), std::ldexp(p.y, -g.exponent),
-                                  std::ldexp(p.z, -g.exponent));
+            g.points.push_back(scaled[vertex]);
         }
         return position;
     };
@@ -115,9 +123,6 @@ Geometry weld(const mesh::Mesh& mesh, const Executor& executor) {
         for (std::uint32_t& c : corners) c = first[c];
         if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
         for (std::uint32_t& c : corners) c = number_of(c);
-        // Beside coordinates that are 2^70 times larger, small ones can round to one spot.
-        const Vec3f &a = g.points[corners[0]], &b = g.points[corners[1]], &c = g.points[corners[2]];
-        if (a == b || b == c || c == a) continue;
         g.triangle_of.push_back(t);
         g.faces.push_back(corners);
     }

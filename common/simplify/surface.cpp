@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "common/simplify/geometry.h"
+#include "common/simplify/nearest.h"
 
 namespace lodestream::simplify {
 
@@ -198,7 +199,7 @@ Vec3d Surface::shared_area(HalfedgeHandle h) const {
 
 Merge Surface::at_end(HalfedgeHandle h, const Rules& rules, double cost, double area) const {
     const Vec3d from = point(sheets_->from(h)), to = point(sheets_->to(h));
-    return {h, cost + rules.price * area * dot(to - from, to - from), points_[sheets_->to(h)], 0.0, &rules};
+    return {h, cost + rules.price * area * dot(to - from, to - from), points_[sheets_->to(h)], &rules};
 }
 
 Merge Surface::offer(EdgeHandle edge) {
@@ -233,13 +234,8 @@ Merge Surface::offer(EdgeHandle edge) {
     const double enough = least + end_tolerance * area * length2;
     if (at_a <= enough || at_b <= enough)
         return at_a <= at_b ? at_end(back, rules, at_a, area_b) : at_end(h, rules, at_b, area_a);
-    Merge merge{h, least + rules.price * area * length2, Vec3f(point(a) + x), 0.0, &rules};
-    const double along = std::clamp(dot(x, energy.edge()) / length2, 0.0, 1.0);
-    merge.share = 1.0 - along;
-    if (forms_[b].triangles < forms_[a].triangles) {
-        merge.edge = back;
-        merge.share = along;
-    }
+    Merge merge{h, least + rules.price * area * length2, Vec3f(point(a) + x), &rules};
+    if (forms_[b].triangles < forms_[a].triangles) merge.edge = back;
     return merge;
 }
 
@@ -363,6 +359,40 @@ bool Surface::find_partners(std::uint32_t source, std::uint32_t target, const Ru
     return wedges_.find_partners(s.used, target, s.told, rules.seams, s.partners);
 }
 
+// Texture coordinate and colour are those that the surface had at the place nearest to the merge's: on the edge between
+// two ends on a line, else on the faces around them that the wedge, or one that becomes part of it, belongs to.
+void Surface::set_nearest(const Merge& merge, std::uint32_t wedge, const Scratch& s, Attributes& attributes) const {
+    const Vec3d at(merge.point);
+    const auto partner =
+        std::find_if(s.partners.begin(), s.partners.end(), [&](const Wedges::Pair& pair) { return pair.to == wedge; });
+    const std::uint32_t source = sheets_->from(merge.edge), target = sheets_->to(merge.edge);
+    if (held_[source] && held_[target] && partner != s.partners.end()) {
+        const Vec3d weights = nearest_weights(at, point(source), point(target), point(target));
+        return wedges_.blend({partner->from, wedge, wedge}, weights, attributes);
+    }
+    double least = std::numeric_limits<double>::infinity();
+    const auto consider = [&](std::uint32_t face) {
+        const mesh::Triangle& w = face_wedges_[face];
+        const Vec3d a = point(position_of_wedge(w[0])), b = point(position_of_wedge(w[1])),
+                    c = point(position_of_wedge(w[2]));
+        const Vec3d weights = nearest_weights(at, a, b, c);
+        const Vec3d off = weights.x * a + weights.y * b + weights.z * c - at;
+        if (!(dot(off, off) < least)) return;
+        least = dot(off, off);
+        wedges_.blend(w, weights, attributes);
+    };
+    const auto becomes = [&](std::uint32_t from) {
+        return std::any_of(s.partners.begin(), s.partners.end(),
+                           [&](const Wedges::Pair& pair) { return pair.from == from && pair.to == wedge; });
+    };
+    for (std::size_t i = 0; i < s.vanishing.size(); ++i)
+        if (s.told[i].to == wedge) consider(s.vanishing[i]);
+    for (const Scratch::Corner& c : s.around_target)
+        if (face_wedges_[c.face][c.corner] == wedge) consider(c.face);
+    for (const Scratch::Corner& c : s.staying)
+        if (becomes(face_wedges_[c.face][c.corner])) consider(c.face);
+}
+
 // The values that the target's wedges get; none where it stays as it is.
 void Surface::find_changes(const Merge& merge, std::uint32_t target, Scratch& s) const {
     s.changes.clear();
@@ -372,10 +402,11 @@ void Surface::find_changes(const Merge& merge, std::uint32_t target, Scratch& s)
         if (!wedges_.is_used(w)) continue;
         Attributes attributes = wedges_.attributes(w);
         for (const Wedges::Pair& pair : s.partners)
-            if (pair.to == w && wedges_.has_attributes()) {
-                attributes = mix(attributes, wedges_.attributes(pair.from), merge.share);
+            if (pair.to == w && wedges_.has_normals()) {
+                attributes.normal = joined_normal(attributes.normal, wedges_.attributes(pair.from).normal);
                 break;
             }
+        if (wedges_.has_texture_coordinates() || wedges_.has_colors()) set_nearest(merge, w, s, attributes);
         s.changes.push_back({w, attributes});
     }
 }

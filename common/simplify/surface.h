@@ -38,7 +38,6 @@ struct Merge {
     HalfedgeHandle edge{};  // from source to target; invalid if there is none
     double cost = std::numeric_limits<double>::infinity();
     Vec3f point{0.0f};
-    double share = 0.0;  // of the source's attributes in the new ones, [0,1]
     const Rules* rules = nullptr;
 };
 
@@ -119,6 +118,7 @@ class Surface {
     bool keeps_shape(const Scratch::Corner& c, const Vec3d& new_apex) const;
     bool keeps_texture(const Scratch::Corner& c, const Scratch& s) const;
     bool find_partners(std::uint32_t source, std::uint32_t target, const Rules& rules, Scratch& s) const;
+    void set_nearest(const Merge& merge, std::uint32_t wedge, const Scratch& s, Attributes& attributes) const;
     void find_changes(const Merge& merge, std::uint32_t target, Scratch& s) const;
     float step_key(const Merge& merge, std::uint32_t source, std::uint32_t target, const Scratch& s) const;
     void commit(const Merge& merge, std::uint32_t source, std::uint32_t target, Log& log, Scratch& s);

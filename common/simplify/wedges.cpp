@@ -26,20 +26,11 @@ std::vector<Attribute> reordered(const std::vector<Attribute>& of_vertex, const 
     return of_wedge;
 }
 
-std::uint8_t mix(std::uint8_t a, std::uint8_t b, double weight) {
-    return static_cast<std::uint8_t>(std::lround(a + weight * (int{b} - int{a})));
-}
-
 }  // namespace
 
-Attributes mix(const Attributes& a, const Attributes& b, double weight) {
-    Attributes m;
-    const auto w = static_cast<float>(weight);
-    m.normal = a.normal + b.normal;
-    if (!(length(m.normal) > least_normal * (length(a.normal) + length(b.normal)))) m.normal = a.normal;
-    m.texture_coordinate = a.texture_coordinate + w * (b.texture_coordinate - a.texture_coordinate);
-    for (int k = 0; k < 4; ++k) m.color[k] = mix(a.color[k], b.color[k], weight);
-    return m;
+Vec3f joined_normal(const Vec3f& a, const Vec3f& b) {
+    const Vec3f sum = a + b;
+    return length(sum) > least_normal * (length(a) + length(b)) ? sum : a;
 }
 
 Wedges::Wedges(const mesh::Mesh& mesh, const std::vector<std::uint32_t>& positions, std::uint32_t count,
@@ -112,6 +103,22 @@ void Wedges::set_attributes(std::uint32_t wedge, const Attributes& a) {
     if (!normals_.empty()) normals_[wedge] = a.normal;
     if (!texture_coordinates_.empty()) texture_coordinates_[wedge] = a.texture_coordinate;
     if (!colors_.empty()) colors_[wedge] = a.color;
+}
+
+void Wedges::blend(const std::array<std::uint32_t, 3>& wedges, const Vec3d& weights, Attributes& a) const {
+    glm::dvec2 texture_coordinate{0.0};
+    std::array<double, 4> color{};
+    for (int corner = 0; corner < 3; ++corner) {
+        const std::uint32_t wedge = wedges[static_cast<std::size_t>(corner)];
+        if (!texture_coordinates_.empty())
+            texture_coordinate += weights[corner] * glm::dvec2(texture_coordinates_[wedge]);
+        if (!colors_.empty())
+            for (int k = 0; k < 4; ++k) color[static_cast<std::size_t>(k)] += weights[corner] * colors_[wedge][k];
+    }
+    if (!texture_coordinates_.empty()) a.texture_coordinate = Vec2f(texture_coordinate);
+    if (colors_.empty()) return;
+    for (int k = 0; k < 4; ++k)
+        a.color[k] = static_cast<std::uint8_t>(std::clamp(std::lround(color[static_cast<std::size_t>(k)]), 0l, 255l));
 }
 
 bool Wedges::agree(std::uint32_t a, std::uint32_t b) const {

@@ -2,6 +2,7 @@
 // which when two positions merge.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -52,10 +53,11 @@ class Wedges {
     bool has_normals() const { return !normals_.empty(); }
     bool has_texture_coordinates() const { return !texture_coordinates_.empty(); }
     bool has_colors() const { return !colors_.empty(); }
-    bool has_attributes() const { return has_normals() || has_texture_coordinates() || has_colors(); }
     const Vec2f& texture_coordinate(std::uint32_t wedge) const { return texture_coordinates_[wedge]; }
     Attributes attributes(std::uint32_t wedge) const;
     void set_attributes(std::uint32_t wedge, const Attributes& a);
+    // Texture coordinate and colour are set to those within a triangle of wedges; weights are of sum 1.
+    void blend(const std::array<std::uint32_t, 3>& wedges, const Vec3d& weights, Attributes& a) const;
 
     struct Pair {
         std::uint32_t from;
@@ -87,7 +89,7 @@ class Wedges {
     std::vector<std::uint32_t> uses_;
 };
 
-// a + weight * (b - a); normals are added.
-Attributes mix(const Attributes& a, const Attributes& b, double weight);
+// The sum of two weighted normals; the first where they cancel out.
+Vec3f joined_normal(const Vec3f& a, const Vec3f& b);
 
 }  // namespace lodestream::simplify
