@@ -59,7 +59,6 @@ class Surface {
     bool is_live(std::uint32_t face) const { return live_[face] != 0; }
     std::size_t live_faces() const;  // O(faces)
     double area(std::uint32_t face) const;
-    float key(std::uint32_t position) const { return keys_[position]; }
 
     // The merge that an edge offers by the rules it has come to.
     Merge offer(EdgeHandle edge);

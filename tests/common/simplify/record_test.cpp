@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <ostream>
 #include <string>
 #include <thread>
 
@@ -91,6 +92,27 @@ Mesh many_crumbs() {
     return m;
 }
 
+Mesh crossing_spheres() {
+    Mesh m = sphere(8);
+    append(m, sphere(8), {0.5f, 0.25f, 0});
+    return m;
+}
+
+// Sheets of one plane that lie on each other, of other triangles each.
+Mesh coplanar_sheets() {
+    Mesh m = flat_grid(6);
+    append(m, flat_grid(5), {0.5f, 0, 0.5f});
+    append(m, flat_grid(6), {0, 0, 0});
+    return m;
+}
+
+// One corner lies a million sizes of the rest away.
+Mesh one_far_vertex() {
+    Mesh m = sphere(8);
+    m.positions.back() = {1e6f, 2e6f, 0};
+    return m;
+}
+
 Mesh stretched(float factor) {
     Mesh m = bumpy(8);
     for (Vec3f& p : m.positions) p.x *= factor;
@@ -116,6 +138,9 @@ struct Shape {
     std::string name;
     Mesh mesh;
 };
+void PrintTo(const Shape& shape, std::ostream* out) {
+    *out << shape.name;
+}
 
 std::vector<Shape> shapes() {
     return {{"triangle", testing::single_triangle()},
@@ -135,6 +160,9 @@ std::vector<Shape> shapes() {
             {"two_fans_at_a_point", two_fans_at_a_point()},
             {"moebius", moebius()},
             {"many_crumbs", many_crumbs()},
+            {"crossing_spheres", crossing_spheres()},
+            {"coplanar_sheets", coplanar_sheets()},
+            {"one_far_vertex", one_far_vertex()},
             {"needles", stretched(1e8f)},
             {"pressed", stretched(1e-8f)}};
 }
@@ -255,6 +283,36 @@ TEST(Record, IsAlikeAnywhere) {
         for (Vec3f& p : level.positions) p -= Vec3f{4096, -512, 100};
         const double rms = metric::measure(index, m, cut(here, n)).rms;
         EXPECT_NEAR(metric::measure(index, m, level).rms, rms, 0.02 * rms);
+    }
+}
+
+TEST(Record, IsAlikeTurnedAnyWay) {
+    const Mesh m = grid(24, [](double x, double z) { return 2 * std::sin(0.4 * x) * std::cos(0.3 * z); });
+    const History upright = record(m);
+    const metric::SurfaceIndex index(m);
+    for (const double angle : {0.5, 1.2, 2.9}) {
+        Mesh turned = m;
+        for (Vec3f& p : turned.positions)
+            p = Vec3f(Vec3d{std::cos(angle) * p.x - std::sin(angle) * p.y,
+                            std::sin(angle) * p.x + std::cos(angle) * p.y, double{p.z}});
+        const History history = record(turned);
+        const metric::SurfaceIndex turned_index(turned);
+        for (const std::uint64_t n : {600, 200, 60}) {
+            const double rms = metric::measure(index, m, cut(upright, n)).rms;
+            EXPECT_NEAR(metric::measure(turned_index, turned, cut(history, n)).rms, rms, 0.1 * rms)
+                << angle << " " << n;
+        }
+    }
+}
+
+TEST(Record, ThousandsOfTinyPiecesReachAnyCount) {
+    Mesh m;
+    for (int k = 0; k < 4000; ++k)
+        append(m, tetrahedron(), {0.1f * static_cast<float>(k % 63), 0.1f * static_cast<float>(k / 63), 0}, 0.01f);
+    const History history = record(m);
+    for (const std::uint64_t n : {1, 2, 5, 100, 3999, 8001, 16000}) {
+        EXPECT_LE(cut(history, n).triangles.size(), n);
+        EXPECT_GE(cut(history, n).triangles.size() + 1, n);
     }
 }
 
