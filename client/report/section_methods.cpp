@@ -32,7 +32,7 @@ std::vector<long> shares(const std::vector<MethodLevel>& levels) {
 
 Plot error_over_time(const std::vector<MethodLevel>& levels, long percent, Value error, const std::string& what,
                      const std::string& unit) {
-    Plot plot{what + " of levels of " + std::to_string(percent) + " % against the time to them",
+    Plot plot{what + " at " + std::to_string(percent) + " % of the triangles, against time",
               {"time, ms", AxisScale::logarithmic},
               {what + ", " + unit, AxisScale::logarithmic},
               {},

@@ -23,7 +23,7 @@ struct RawResponse {
 
 class RawClient {
   public:
-    static constexpr int patience_ms = 20'000;
+    static constexpr int patience_ms = 120'000;  // for a large upload on a busy machine under a sanitizer
 
     explicit RawClient(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
         sockaddr_in address{};
