@@ -12,6 +12,7 @@
 #include "client/report/frame_rate.h"
 #include "common/budget/budget.h"
 #include "proto/messages.h"
+#include "proto/method_run.h"
 
 namespace lodestream::report {
 
@@ -125,25 +126,10 @@ struct AssetResult {
     std::vector<Picture> pictures;
 };
 
-// A level that one method of simplification made of a model.
-struct MethodLevel {
-    std::string model, method;
-    std::uint64_t model_triangles = 0;
-    std::uint64_t asked = 0, triangles = 0;
-    double wall_ms = 0.0, cpu_ms = 0.0;
-    std::optional<double> rms_error_percent, max_error_percent;  // of the model's diagonal
-    std::optional<double> image_rms;                             // steps of 255, over covered pixels
-};
-
-struct MethodComparison {
-    Provenance provenance;  // of the benchmark's own run
-    std::vector<MethodLevel> levels;
-};
-
 struct ReportData {
     Provenance provenance;
     std::vector<AssetResult> assets;
-    std::optional<MethodComparison> methods;  // where the report was given one
+    std::optional<proto::MethodRun> methods;  // where the report was given one
     std::optional<FrameRateResult> frame_rate;
     std::vector<std::string> problems;  // what is missing and why, one line each
 };

@@ -3,7 +3,8 @@
 
 #include <filesystem>
 
-#include "client/report/data.h"
+#include "common/base/result.h"
+#include "proto/method_run.h"
 
 namespace lodestream::report {
 
@@ -11,6 +12,6 @@ inline constexpr std::uintmax_t max_methods_file_bytes = 16u << 20;
 
 // Reads what `lodestream_bench_simplify --json` wrote. Errors: io (cannot be read), limit_exceeded (too large),
 // invalid_input (with the place where it is not that).
-Result<MethodComparison> read_methods(const std::filesystem::path& file);
+Result<proto::MethodRun> read_methods(const std::filesystem::path& file);
 
 }  // namespace lodestream::report

@@ -121,9 +121,9 @@ void print(const ReportData& data, const ReportOptions& options, const std::stri
 
 Status run(const ReportOptions& options) {
     if (Status made = make_folders(options.out); !made) return made;
-    std::optional<MethodComparison> methods;
+    std::optional<proto::MethodRun> methods;
     if (options.methods) {
-        Result<MethodComparison> read = read_methods(*options.methods);
+        Result<proto::MethodRun> read = read_methods(*options.methods);
         if (!read) return read.error();
         methods = *std::move(read);
     }

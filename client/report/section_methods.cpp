@@ -8,6 +8,7 @@
 namespace lodestream::report {
 namespace {
 
+using proto::MethodLevel;
 using Value = std::optional<double> MethodLevel::*;
 
 std::vector<std::string> method_names(const std::vector<MethodLevel>& levels) {
@@ -49,13 +50,23 @@ Plot error_over_time(const std::vector<MethodLevel>& levels, long percent, Value
     return plot;
 }
 
+Provenance provenance_of(const proto::MethodRun& run) {
+    Provenance from;
+    from.command = run.command;
+    from.commit = run.commit;
+    from.date = run.date;
+    from.cpu = run.cpu;
+    from.cores = run.cores;
+    return from;
+}
+
 Cell cell_of(const std::optional<double>& value) {
     return value ? Cell(*value) : Cell();
 }
 
 }  // namespace
 
-Section methods_section(const MethodComparison& comparison) {
+Section methods_section(const proto::MethodRun& run) {
     Section section{"simplification_methods", "Simplification beside other libraries", {}, {}, {}, {}, {}};
     section.text_html =
         "<p>The same models, simplified to the same counts by this project’s engine (<em>ours</em>) and by its peers, "
@@ -64,25 +75,24 @@ Section methods_section(const MethodComparison& comparison) {
         "<em>ours</em> records the whole history in that time, from which any other level is then cut; the others make "
         "the one level. The picture’s error is the root mean square over the covered pixels of eight views, in steps "
         "of 255. Measured apart from this report: " +
-        source_line(comparison.provenance) + "</p>";
-    for (const long percent : shares(comparison.levels)) {
-        section.plots.push_back(error_over_time(comparison.levels, percent, &MethodLevel::rms_error_percent,
-                                                "RMS error", "% of the model’s diagonal"));
+        source_line(provenance_of(run)) + "</p>";
+    for (const long percent : shares(run.levels)) {
+        section.plots.push_back(error_over_time(run.levels, percent, &MethodLevel::rms_error_percent, "RMS error",
+                                                "% of the model’s diagonal"));
         section.plots.push_back(
-            error_over_time(comparison.levels, percent, &MethodLevel::image_rms, "Picture’s error", "steps of 255"));
+            error_over_time(run.levels, percent, &MethodLevel::image_rms, "Picture’s error", "steps of 255"));
     }
     section.rows = table_of<MethodLevel>(
-        comparison.levels,
-        {{"model", "model", [](const auto& r) { return r.model; }},
-         {"method", "method", [](const auto& r) { return r.method; }},
-         {"asked_percent", "asked %",
-          [](const auto& r) { return static_cast<std::uint64_t>(std::max(0l, percent_asked(r))); }},
-         {"triangles", "triangles", [](const auto& r) { return r.triangles; }},
-         {"wall_ms", "time ms", [](const auto& r) { return r.wall_ms; }},
-         {"cpu_ms", "CPU ms", [](const auto& r) { return r.cpu_ms; }},
-         {"rms_error_percent", "RMS error %", [](const auto& r) { return cell_of(r.rms_error_percent); }},
-         {"max_error_percent", "max error %", [](const auto& r) { return cell_of(r.max_error_percent); }},
-         {"image_rms", "picture /255", [](const auto& r) { return cell_of(r.image_rms); }}});
+        run.levels, {{"model", "model", [](const auto& r) { return r.model; }},
+                     {"method", "method", [](const auto& r) { return r.method; }},
+                     {"asked_percent", "asked %",
+                      [](const auto& r) { return static_cast<std::uint64_t>(std::max(0l, percent_asked(r))); }},
+                     {"triangles", "triangles", [](const auto& r) { return r.triangles; }},
+                     {"wall_ms", "time ms", [](const auto& r) { return r.wall_ms; }},
+                     {"cpu_ms", "CPU ms", [](const auto& r) { return r.cpu_ms; }},
+                     {"rms_error_percent", "RMS error %", [](const auto& r) { return cell_of(r.rms_error_percent); }},
+                     {"max_error_percent", "max error %", [](const auto& r) { return cell_of(r.max_error_percent); }},
+                     {"image_rms", "picture /255", [](const auto& r) { return cell_of(r.image_rms); }}});
     return section;
 }
 

@@ -82,7 +82,7 @@ double rms_percent(const AssetResult& asset, const LadderLevel& rung);
 
 Section budget_section(const ReportData& data);
 Section simplification_section(const ReportData& data);
-Section methods_section(const MethodComparison& comparison);
+Section methods_section(const proto::MethodRun& run);
 Section codec_section(const ReportData& data);
 Section shading_section(const ReportData& data);
 Section end_to_end_section(const ReportData& data);

@@ -26,7 +26,7 @@ constexpr const char* two_methods = R"({
 
 class Methods : public ::testing::Test {
   protected:
-    Result<MethodComparison> read(const std::string& text) const {
+    Result<proto::MethodRun> read(const std::string& text) const {
         const auto file = folder_.path() / "methods.json";
         std::ofstream(file) << text;
         return read_methods(file);
@@ -37,9 +37,9 @@ class Methods : public ::testing::Test {
 };
 
 TEST_F(Methods, AreReadWithWhereTheyWereMeasured) {
-    const Result<MethodComparison> read_back = read(two_methods);
+    const Result<proto::MethodRun> read_back = read(two_methods);
     ASSERT_TRUE(read_back) << read_back.error().message;
-    EXPECT_EQ(read_back->provenance.commit, "abc");
+    EXPECT_EQ(read_back->commit, "abc");
     ASSERT_EQ(read_back->levels.size(), 3u);
     EXPECT_EQ(read_back->levels[0].image_rms, 8.0);   // with the method's own normals where it has any
     EXPECT_EQ(read_back->levels[2].image_rms, 11.0);  // else with made ones
@@ -61,7 +61,7 @@ TEST_F(Methods, EveryLevelIsARowAndEachShareHasAPlotOfBothErrors) {
 
 TEST_F(Methods, AnythingElseIsRefusedWithItsPlace) {
     for (const char* text : {"", "[]", "{}", R"({"run": 1})", R"({"models": [{"methods": 3}]})", "\xff\xfe"}) {
-        const Result<MethodComparison> refused = read(text);
+        const Result<proto::MethodRun> refused = read(text);
         ASSERT_FALSE(refused) << text;
         EXPECT_EQ(refused.error().code, ErrorCode::invalid_input);
         EXPECT_THAT(refused.error().message, HasSubstr("methods.json"));
