@@ -371,6 +371,8 @@ void Surface::set_nearest(const Merge& merge, std::uint32_t wedge, const Scratch
         return wedges_.blend({partner->from, wedge, wedge}, weights, attributes);
     }
     double least = std::numeric_limits<double>::infinity();
+    mesh::Triangle nearest{wedge, wedge, wedge};
+    Vec3d nearest_share{1, 0, 0};
     const auto consider = [&](std::uint32_t face) {
         const mesh::Triangle& w = face_wedges_[face];
         const Vec3d a = point(position_of_wedge(w[0])), b = point(position_of_wedge(w[1])),
@@ -379,7 +381,8 @@ void Surface::set_nearest(const Merge& merge, std::uint32_t wedge, const Scratch
         const Vec3d off = weights.x * a + weights.y * b + weights.z * c - at;
         if (!(dot(off, off) < least)) return;
         least = dot(off, off);
-        wedges_.blend(w, weights, attributes);
+        nearest = w;
+        nearest_share = weights;
     };
     const auto becomes = [&](std::uint32_t from) {
         return std::any_of(s.partners.begin(), s.partners.end(),
@@ -391,6 +394,7 @@ void Surface::set_nearest(const Merge& merge, std::uint32_t wedge, const Scratch
         if (face_wedges_[c.face][c.corner] == wedge) consider(c.face);
     for (const Scratch::Corner& c : s.staying)
         if (becomes(face_wedges_[c.face][c.corner])) consider(c.face);
+    wedges_.blend(nearest, nearest_share, attributes);
 }
 
 // The values that the target's wedges get; none where it stays as it is.
