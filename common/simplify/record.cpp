@@ -16,7 +16,7 @@ namespace lodestream::simplify {
 namespace {
 
 constexpr std::size_t region_faces = 1u << 15;  // smaller regions have much border, larger ones leave the caches
-constexpr std::size_t min_divided_faces = 1u << 15;
+constexpr std::size_t min_divided_faces = 1u << 14;
 constexpr std::size_t max_regions = 1024;
 constexpr double region_share = 0.4;    // of a region's triangles that are left when it is done at the latest
 constexpr double max_share_left = 0.9;  // after a round; else regions are of no use to this surface

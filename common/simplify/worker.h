@@ -1,5 +1,5 @@
-// Merges the cheapest edges of a region first. An edge is looked at again when it comes up, not when something near it
-// changes: costs mostly grow, so what an edge was queued with is a lower bound.
+// Merges the cheapest edges of a region first, nearly: an edge is looked at again when it comes up, not when something
+// near it changes. Costs mostly grow, so what an edge was queued with is a lower bound.
 #pragma once
 
 #include <bit>
@@ -20,7 +20,7 @@ class Worker {
     void start(std::span<const std::uint32_t> positions, const std::vector<std::uint8_t>& in_region,
                std::uint8_t rules_limit);
 
-    // The cheapest merge that may be made now.
+    // The cheapest merge that may be made now, or one that costs little more.
     Merge next();
     // pre: next() gave `merge`. Makes it, or has its edge tried by the next rules. Returns the number of triangles that
     // vanished.
