@@ -61,6 +61,8 @@ int run(int argc, char** argv) {
     view_app->add_option("--shading", view.shading, "hybrid as planned, or all triangles alike to compare with")
         ->capture_default_str()
         ->check(CLI::IsMember({"hybrid", "gouraud", "flat"}));
+    view_app->add_option("--profile", view.profile, "lean: fewer bytes, for this client; plain: what any viewer reads")
+        ->check(CLI::IsMember({"plain", "lean"}));
     view_app->add_flag("--json", view.json, "Print plan, triangles, bytes and times as JSON");
     view_app->footer(
         "Example:\n  lodestream-client view --server http://127.0.0.1:8080 --asset teapot \\\n"

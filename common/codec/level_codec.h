@@ -2,6 +2,9 @@
 // A hybrid level: each material's Gouraud triangles form a primitive with NORMAL, its flat triangles one without, which
 // glTF 2.0 (§3.7.2.1) says must be drawn with flat normals. All primitives share one quantization grid, so the vertices
 // along the border decode to the same bits.
+// A *lean* level is glTF too, for this project's own decoder: each material is one primitive without NORMAL, so that no
+// border is coded twice, and which of its triangles are Gouraud, with the normals that cannot be derived from them,
+// stands in a buffer view that the primitive's extras name (lean_shading.h). Other viewers draw all of it flat.
 #pragma once
 
 #include <cstddef>
@@ -44,7 +47,8 @@ struct SmallerImage {
 
 struct EncodeOptions {
     QuantizationGrid grid;
-    int normal_bits = 8;
+    bool lean = false;
+    int normal_bits = 8;  // plain only
     int texture_coordinate_bits = 12;
     std::vector<SmallerImage> images;  // one for each of the model's; empty: all as they are
     std::string extras_json;           // an object, put into the asset's `extras.lodestream`; empty: none
@@ -54,7 +58,7 @@ struct Encoded {
     std::vector<std::byte> glb;
     std::uint64_t triangles = 0;
     std::uint64_t vertices = 0;                                   // as decoded, summed over the primitives
-    std::uint64_t geometry_bytes = 0;                             // of the Draco streams
+    std::uint64_t geometry_bytes = 0;                             // of the Draco streams and the lean shading
     std::uint64_t texture_bytes = 0;                              // of the images
     std::vector<std::pair<std::string, std::uint64_t>> left_out;  // what, and the bytes that it would have cost
 };
@@ -78,7 +82,8 @@ struct Decoded {
 // Encodes `level` with the materials and images of `model` that it uses. `gouraud[t]` != 0: triangle t is Gouraud
 // shaded. Leaves out texture coordinates where no used texture reads them, colours that are constant (moved into the
 // material), unused materials and images, and what smaller images lack. The result has been decoded again and compared
-// with `level`: same triangles, positions within half a grid step, borders identical. Errors: invalid_input (too many
+// with `level`: same triangles, positions within half a grid step, borders identical; lean Gouraud normals are within
+// lean_normal_tolerance_degrees. Errors: invalid_input (too many
 // triangles, not finite), internal.
 Result<Encoded> encode_level(const mesh::Model& model, const mesh::Mesh& level, std::span<const std::uint8_t> gouraud,
                              const EncodeOptions& options);

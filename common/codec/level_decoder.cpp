@@ -3,9 +3,11 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/codec/draco_mesh.h"
 #include "common/codec/glb.h"
+#include "common/codec/lean_shading.h"
 #include "common/codec/level_codec.h"
 
 namespace lodestream::codec {
@@ -129,6 +131,7 @@ class Reader {
     const json& check_accessor(std::uint64_t index, const char* type, std::uint64_t component_type,
                                std::uint64_t count) const;
     Primitive read_primitive(const json& primitive);
+    std::vector<Primitive> shaded(Primitive primitive, const json& json_primitive);
     DracoMesh read_compressed(const json& primitive, const json& extension);
     DracoMesh read_plain(const json& primitive);
     void read_plain_indices(const json& primitive, DracoMesh& mesh);
@@ -397,6 +400,64 @@ Primitive Reader::read_primitive(const json& primitive) {
     return result;
 }
 
+// Of one vertex; beyond them a corner gets another copy without looking further.
+constexpr std::size_t max_compared_copies = 64;
+
+// The triangles of one shading with their attributes. Corners of one vertex whose normals differ become vertices of
+// their own.
+Primitive part_of(const Primitive& whole_primitive, const LeanShading& lean, Shading shading) {
+    const mesh::Mesh& from = whole_primitive.mesh;
+    Primitive part{shading, whole_primitive.material, {}};
+    mesh::Mesh& to = part.mesh;
+    constexpr std::uint32_t none = 0xffffffffu;
+    std::vector<std::uint32_t> copy(from.positions.size(), none);
+    std::vector<std::uint32_t> next_copy;  // of the same vertex, with another normal
+    const auto add = [&](std::uint32_t vertex, const Vec3f& normal) {
+        const auto number = static_cast<std::uint32_t>(to.positions.size());
+        to.positions.push_back(from.positions[vertex]);
+        if (shading == Shading::gouraud) to.normals.push_back(normal);
+        if (!from.texture_coordinates.empty()) to.texture_coordinates.push_back(from.texture_coordinates[vertex]);
+        if (!from.colors.empty()) to.colors.push_back(from.colors[vertex]);
+        next_copy.push_back(std::exchange(copy[vertex], number));
+        return number;
+    };
+    for (std::uint32_t t = 0; t < from.triangles.size(); ++t) {
+        if ((lean.gouraud[t] != 0) != (shading == Shading::gouraud)) continue;
+        mesh::Triangle triangle{};
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t vertex = from.triangles[t][k];
+            const Vec3f& normal = lean.normals[3 * t + k];
+            std::uint32_t at = copy[vertex];
+            for (std::size_t i = 0; at != none && shading == Shading::gouraud && to.normals[at] != normal; ++i)
+                at = i < max_compared_copies ? next_copy[at] : none;
+            triangle[k] = at != none ? at : add(vertex, normal);
+        }
+        to.triangles.push_back(triangle);
+    }
+    return part;
+}
+
+// The primitive by itself or, where it is lean, its Gouraud and its flat part.
+std::vector<Primitive> Reader::shaded(Primitive primitive, const json& json_primitive) {
+    const json* extras = find(json_primitive, "extras");
+    const json* ours = extras ? find(*extras, "lodestream") : nullptr;
+    const json* view = ours ? find(*ours, "shading") : nullptr;
+    std::vector<Primitive> parts;
+    if (!view) {
+        parts.push_back(std::move(primitive));
+        return parts;
+    }
+    require(primitive.shading == Shading::flat, "lean shading beside normals");
+    const Result<LeanShading> lean =
+        decode_lean_shading(primitive.mesh.positions, primitive.mesh.triangles, take_view(whole(*view)));
+    if (!lean) throw Refusal{fail(lean.error().code, "GLB: " + lean.error().message)};
+    for (const Shading shading : {Shading::gouraud, Shading::flat}) {
+        Primitive part = part_of(primitive, *lean, shading);
+        if (!part.mesh.triangles.empty()) parts.push_back(std::move(part));
+    }
+    return parts;
+}
+
 // The one node that draws the one mesh; none in an empty level.
 const json* Reader::find_node() const {
     const json& nodes = array_of(root_, "nodes");
@@ -421,7 +482,8 @@ Decoded Reader::read() {
     constexpr double largest = std::numeric_limits<double>::max();
     result.origin = vector_or(*node, "translation", -largest, largest, Vec3d(0.0));
     for (const json& primitive : array_of(element("meshes", 0), "primitives"))
-        result.primitives.push_back(read_primitive(primitive));
+        for (Primitive& part : shaded(read_primitive(primitive), primitive))
+            result.primitives.push_back(std::move(part));
     return result;
 }
 

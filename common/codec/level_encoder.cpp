@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "common/codec/glb.h"
+#include "common/codec/lean_shading.h"
 #include "common/codec/level_codec.h"
 #include "common/codec/primitive_codec.h"
 
@@ -192,7 +193,7 @@ class Document {
     }
 
     void set_extras(json extras) { root_["asset"]["extras"]["lodestream"] = std::move(extras); }
-    void add_primitive(const EncodedPrimitive& primitive, std::size_t material);
+    void add_primitive(const EncodedPrimitive& primitive, std::size_t material, const std::vector<std::byte>& lean);
     std::size_t add_material(const Material& material, const Group& group);
     Result<std::vector<std::byte>> finish();
     std::uint64_t texture_bytes() const { return texture_bytes_; }
@@ -295,7 +296,9 @@ const char* attribute_name(DracoAttribute::Semantic semantic) {
     }
 }
 
-void Document::add_primitive(const EncodedPrimitive& primitive, std::size_t material) {
+// `lean`: its lean shading; empty: none.
+void Document::add_primitive(const EncodedPrimitive& primitive, std::size_t material,
+                             const std::vector<std::byte>& lean) {
     const bool compressed = !primitive.stream.empty();
     const DracoMesh& mesh = primitive.decoded;
     json result = {{"material", material}};
@@ -315,6 +318,7 @@ void Document::add_primitive(const EncodedPrimitive& primitive, std::size_t mate
         result["extensions"][draco_extension] = {{"bufferView", view}, {"attributes", std::move(ids)}};
         uses_draco_ = true;
     }
+    if (!lean.empty()) result["extras"]["lodestream"]["shading"] = add_view(lean.data(), lean.size());
     primitives_.push_back(std::move(result));
 }
 
@@ -422,25 +426,54 @@ Result<std::vector<std::byte>> Document::finish() {
     return join_glb(root_, std::move(binary_));
 }
 
-// One primitive to be: its triangles and the channels that they need.
+// One primitive to be: its triangles, the Gouraud ones first, and the channels that they need.
 struct Part {
     const Group* group;
-    const std::vector<mesh::Triangle>* triangles;
+    std::vector<mesh::Triangle> triangles;
+    std::size_t gouraud = 0;
     std::vector<const Channel*> channels;
 };
 
-std::vector<Part> parts_of(const std::vector<Group>& groups, const Channels& channels) {
+std::vector<Part> parts_of(const std::vector<Group>& groups, const Channels& channels, bool lean) {
     std::vector<Part> parts;
-    for (const Group& group : groups)
-        for (const bool gouraud : {true, false}) {
-            Part part{&group, gouraud ? &group.gouraud : &group.flat, {&channels.position}};
-            if (part.triangles->empty()) continue;
-            if (gouraud) part.channels.push_back(&*channels.normal);
-            if (group.has_texture) part.channels.push_back(&*channels.texture_coordinate);
-            if (channels.color && !group.constant_color) part.channels.push_back(&*channels.color);
-            parts.push_back(std::move(part));
-        }
+    const auto add = [&](const Group& group, std::vector<mesh::Triangle> triangles, std::size_t gouraud) {
+        if (triangles.empty()) return;
+        Part part{&group, std::move(triangles), gouraud, {&channels.position}};
+        if (gouraud > 0 && !lean) part.channels.push_back(&*channels.normal);
+        if (group.has_texture) part.channels.push_back(&*channels.texture_coordinate);
+        if (channels.color && !group.constant_color) part.channels.push_back(&*channels.color);
+        parts.push_back(std::move(part));
+    };
+    for (const Group& group : groups) {
+        std::vector<mesh::Triangle> triangles = group.gouraud;
+        if (lean) triangles.insert(triangles.end(), group.flat.begin(), group.flat.end());
+        add(group, std::move(triangles), group.gouraud.size());
+        if (!lean) add(group, group.flat, 0);
+    }
     return parts;
+}
+
+std::vector<Vec3f> decoded_positions(const DracoMesh& mesh) {
+    const std::vector<float>& values = mesh.attributes.at(0).values;
+    std::vector<Vec3f> positions;
+    for (std::size_t i = 0; i < values.size(); i += 3) positions.emplace_back(values[i], values[i + 1], values[i + 2]);
+    return positions;
+}
+
+// Empty where all is flat, which is what a primitive without normals says by itself.
+std::vector<std::byte> lean_shading(const Part& part, const Channel& normal, const DracoMesh& decoded) {
+    if (part.gouraud == 0) return {};
+    const auto wanted_normal = [&](std::uint32_t corner) {
+        const float* n = &normal.values[3 * std::size_t{normal.value_of_vertex[part.triangles[corner / 3][corner % 3]]}];
+        return Vec3f(n[0], n[1], n[2]);
+    };
+    const std::vector<std::uint32_t> sources = source_corners(part.triangles, part.channels, decoded);
+    LeanShading wanted;
+    for (std::size_t c = 0; c < sources.size(); ++c) {
+        wanted.normals.push_back(wanted_normal(sources[c]));
+        if (c % 3 == 0) wanted.gouraud.push_back(sources[c] / 3 < part.gouraud ? 1 : 0);
+    }
+    return encode_lean_shading(decoded_positions(decoded), decoded.triangles, wanted);
 }
 
 // What was not sent, by what it would have cost: the parts that lack it are encoded with it too.
@@ -453,7 +486,7 @@ class Omissions {
         if (!channel || std::find(part.channels.begin(), part.channels.end(), &*channel) != part.channels.end()) return;
         std::vector<const Channel*> with = part.channels;
         with.push_back(&*channel);
-        const std::uint64_t larger = measure_primitive(*part.triangles, with);
+        const std::uint64_t larger = measure_primitive(part.triangles, with);
         add(what, larger > size ? larger - size : 0);
     }
     std::vector<std::pair<std::string, std::uint64_t>> list() const { return {bytes_.begin(), bytes_.end()}; }
@@ -531,16 +564,18 @@ Result<Encoded> encode(const Model& model, const Mesh& level, std::span<const st
         std::map<const Group*, std::size_t> materials;
         for (const Group& group : groups)
             materials[&group] = document.add_material(model.materials[group.material], group);
-        for (const Part& part : parts_of(groups, *channels)) {
-            Result<EncodedPrimitive> primitive = encode_primitive(*part.triangles, part.channels);
+        for (const Part& part : parts_of(groups, *channels, options.lean)) {
+            Result<EncodedPrimitive> primitive = encode_primitive(part.triangles, part.channels);
             if (!primitive) return primitive.error();
-            document.add_primitive(*primitive, materials[part.group]);
+            std::vector<std::byte> lean;
+            if (options.lean && channels->normal) lean = lean_shading(part, *channels->normal, primitive->decoded);
+            document.add_primitive(*primitive, materials[part.group], lean);
             result.triangles += primitive->decoded.triangles.size();
             result.vertices += primitive->decoded.points;
-            result.geometry_bytes += primitive->stream.size();
+            result.geometry_bytes += primitive->stream.size() + lean.size();
             if (primitive->stream.empty()) continue;
-            if (part.triangles == &part.group->flat)
-                omissions.measure(part, primitive->stream.size(), channels->normal, "normals of flat triangles");
+            omissions.measure(part, primitive->stream.size() + lean.size(), channels->normal,
+                              part.gouraud == 0 ? "normals of flat triangles" : "normals that are derived");
             omissions.measure(part, primitive->stream.size(), channels->texture_coordinate,
                               "texture coordinates without a texture");
             omissions.measure(part, primitive->stream.size(), channels->color, "constant colours");

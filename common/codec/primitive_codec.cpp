@@ -312,26 +312,53 @@ DecodedPoints expected_points(const LocalMesh& local, std::span<const Channel* c
     return expected;
 }
 
-// Whether `mesh` has exactly the expected triangles, every corner with the expected value of every attribute.
-bool decodes_to(const DecodedPoints& expected, const DracoMesh& mesh, std::span<const Channel* const> channels) {
-    if (mesh.triangles.size() != expected.triangles.size() || mesh.attributes.size() != channels.size()) return false;
+// The triangles of `mesh` with the expected points' numbers for its own; empty where it has other attributes or values.
+std::vector<mesh::Triangle> renumbered(const DecodedPoints& expected, const DracoMesh& mesh,
+                                       std::span<const Channel* const> channels) {
+    if (mesh.attributes.size() != channels.size()) return {};
     std::vector<Key> keys(mesh.points, Key{});
     for (std::size_t c = 0; c < channels.size(); ++c) {
         const auto found = mesh.attributes.find(static_cast<std::uint32_t>(c));
-        if (found == mesh.attributes.end() || found->second.components != channels[c]->components) return false;
+        if (found == mesh.attributes.end() || found->second.components != channels[c]->components) return {};
         const float* value = found->second.values.data();
         for (std::uint32_t p = 0; p < mesh.points; ++p, value += channels[c]->components) {
             keys[p][c] = channels[c]->decoded.find(key_of(value, channels[c]->components).data());
-            if (keys[p][c] == KeyTable::none) return false;
+            if (keys[p][c] == KeyTable::none) return {};
         }
     }
     std::vector<mesh::Triangle> triangles = mesh.triangles;
     for (mesh::Triangle& t : triangles)
         for (std::uint32_t& corner : t) {
             corner = expected.points.find(keys[corner].data());
-            if (corner == KeyTable::none) return false;
+            if (corner == KeyTable::none) return {};
         }
-    return as_set(std::move(triangles)) == as_set(expected.triangles);
+    return triangles;
+}
+
+// Whether `mesh` has exactly the expected triangles, every corner with the expected value of every attribute.
+bool decodes_to(const DecodedPoints& expected, const DracoMesh& mesh, std::span<const Channel* const> channels) {
+    return mesh.triangles.size() == expected.triangles.size() &&
+           as_set(renumbered(expected, mesh, channels)) == as_set(expected.triangles);
+}
+
+// Corners 3 * t + k, those of a triangle from its least point on, triangles in the order of as_set().
+std::vector<mesh::Triangle> sorted_corners(const std::vector<mesh::Triangle>& triangles) {
+    std::vector<std::pair<mesh::Triangle, mesh::Triangle>> found;
+    found.reserve(triangles.size());
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+        const mesh::Triangle least = rotated_to_least(triangles[t]);
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t next = (k + 1) % 3, last = (k + 2) % 3;
+            if (mesh::Triangle{triangles[t][k], triangles[t][next], triangles[t][last]} != least) continue;
+            found.emplace_back(least, mesh::Triangle{3 * t + k, 3 * t + next, 3 * t + last});
+            break;
+        }
+    }
+    std::sort(found.begin(), found.end());
+    std::vector<mesh::Triangle> result;
+    result.reserve(found.size());
+    for (const auto& [triangle, corners] : found) result.push_back(corners);
+    return result;
 }
 
 DracoMesh plain_mesh(const DecodedPoints& expected, std::span<const Channel* const> channels) {
@@ -427,6 +454,17 @@ Result<EncodedPrimitive> encode_primitive(std::span<const mesh::Triangle> triang
             return EncodedPrimitive{std::move(stream), std::move(*decoded)};
     }
     return EncodedPrimitive{{}, plain_mesh(expected, channels)};
+}
+
+std::vector<std::uint32_t> source_corners(std::span<const mesh::Triangle> triangles,
+                                          std::span<const Channel* const> channels, const DracoMesh& decoded) {
+    const DecodedPoints expected = expected_points(local_mesh(triangles, channels), channels);
+    const std::vector<mesh::Triangle> from = sorted_corners(expected.triangles);
+    const std::vector<mesh::Triangle> to = sorted_corners(renumbered(expected, decoded, channels));
+    std::vector<std::uint32_t> result(3 * triangles.size());
+    for (std::size_t t = 0; t < to.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) result[to[t][k]] = from[t][k];
+    return result;
 }
 
 std::uint64_t measure_primitive(std::span<const mesh::Triangle> triangles, std::span<const Channel* const> channels) {

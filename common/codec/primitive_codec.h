@@ -47,6 +47,11 @@ struct EncodedPrimitive {
 Result<EncodedPrimitive> encode_primitive(std::span<const mesh::Triangle> triangles,
                                           std::span<const Channel* const> channels);
 
+// Of every corner 3 * t + k of `decoded`, which encode_primitive made of the same triangles and channels, the corner
+// 3 * s + j that it was among `triangles`. Of triangles that decode alike any may stand for any.
+std::vector<std::uint32_t> source_corners(std::span<const mesh::Triangle> triangles,
+                                          std::span<const Channel* const> channels, const DracoMesh& decoded);
+
 // Bytes of the Draco stream alone.
 std::uint64_t measure_primitive(std::span<const mesh::Triangle> triangles, std::span<const Channel* const> channels);
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/simplify/packed_normal.h"
+#include "common/base/packed_normal.h"
 
 namespace lodestream::simplify {
 

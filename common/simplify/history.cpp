@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "common/simplify/packed_normal.h"
+#include "common/base/packed_normal.h"
 
 namespace lodestream::simplify {
 

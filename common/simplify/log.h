@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/simplify/packed_normal.h"
+#include "common/base/packed_normal.h"
 #include "common/simplify/wedges.h"
 
 namespace lodestream::simplify {

@@ -124,6 +124,7 @@ struct LevelRequest {
     std::uint64_t triangles = 0;
     SplitRequest split;
     const texture::Choice& textures;
+    proto::Profile profile = proto::Profile::plain;
 };
 
 // Names everything that the encoded bytes depend on. The view matters only where triangles are chosen by it.
@@ -131,6 +132,7 @@ std::string content_key(const LevelRequest& level, const Vec3d& center) {
     const SplitRequest& split = level.split;
     std::string key =
         "level/importance/" + std::to_string(level.triangles) + "/" + proto::shading_mode_name(split.mode);
+    if (level.profile == proto::Profile::lean) key += "/lean";
     if (!level.textures.key.empty()) key += "/images" + level.textures.key;
     if (split.mode != proto::ShadingMode::hybrid || split.distance <= 0.0 || split.distance >= 1.0) {
         return key + (split.mode == proto::ShadingMode::hybrid ? (split.distance <= 0.0 ? "/near" : "/far") : "");
@@ -208,6 +210,8 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
     codec::EncodeOptions options;
     options.grid = bake::level_grid(loaded.baked.grid_bounds, level, error);
     options.images = wanted.textures.images;
+    options.lean = wanted.profile == proto::Profile::lean;
+    response.content.profile = proto::profile_name(wanted.profile);
     response.level.triangles = level.triangles.size();
     const Extras extras = [&](const EncodedSplit& attempt) {
         proto::PlanResponse figures = response;
@@ -237,7 +241,7 @@ Result<proto::PlanResponse> Planner::Impl::plan_level(const proto::PlanRequest& 
     proto::PlanResponse response;
     const Placement placement = place(request, loaded.world_bounds, budget.dlr);
     const SplitRequest split{request.shading, placement.distance, placement.view};
-    if (Status added = add_content(response, asset, loaded, {budget.triangles, split, textures}); !added)
+    if (Status added = add_content(response, asset, loaded, {budget.triangles, split, textures, request.profile}); !added)
         return added.error();
     fill_budget(response, budget);
     response.shading.distance = placement.distance;
@@ -291,8 +295,6 @@ Result<proto::PlanResponse> Planner::Impl::plan_baked(const proto::PlanRequest& 
 
 Result<proto::PlanResponse> Planner::Impl::plan(const proto::PlanRequest& request) {
     const Stopwatch watch;
-    if (request.profile != proto::Profile::plain)
-        return fail(ErrorCode::unsupported, "profile 'lean' is not offered by this server; ask for 'plain'");
     if (request.view)
         if (Status valid = shading::validate(*request.view); !valid) return valid.error();
     const Result<proto::Asset> asset = store.asset(request.asset);

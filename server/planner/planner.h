@@ -20,8 +20,7 @@ class Planner {
     ~Planner();
 
     // The whole answer. The same level, split and encoding asked for again come from the store.
-    // Errors: not_found (asset), unavailable (still baking), conflict (its bake failed), invalid_input, unsupported
-    // (profile).
+    // Errors: not_found (asset), unavailable (still baking), conflict (its bake failed), invalid_input.
     Result<proto::PlanResponse> plan(const proto::PlanRequest& request);
 
     // The level of at most `triangles` (>= 1) of a baked asset, with its measured error.

@@ -130,7 +130,7 @@ Mesh sphere_with_everything() {
 }
 
 TEST(LevelCodec, RoundTripsEveryCombinationOfAttributes) {
-    for (int combination = 0; combination < 16; ++combination) {
+    for (int combination = 0; combination < 32; ++combination) {
         SCOPED_TRACE(combination);
         Mesh level = sphere_with_everything();
         Model model = model_of_one_material();
@@ -143,7 +143,8 @@ TEST(LevelCodec, RoundTripsEveryCombinationOfAttributes) {
             model.materials[0].base_color_texture.image = 0;
         }
         const auto gouraud = !normals ? shaded(level, 0) : split ? first_half_gouraud(level) : shaded(level, 1);
-        const EncodeOptions options = options_for(level);
+        EncodeOptions options = options_for(level);
+        options.lean = combination & 16;
         const Coded coded = round_trip(model, level, gouraud, options);
         EXPECT_EQ(coded.encoded.triangles, level.triangles.size());
         EXPECT_EQ(coded.decoded.primitives.size(), normals && split ? 2u : 1u);
@@ -228,6 +229,39 @@ TEST(LevelCodec, NormalSeamsDoNotCutTheMesh) {
     const Coded flat = round_trip(creased, shaded(creased, 0)), gouraud = round_trip(creased, shaded(creased, 1));
     EXPECT_EQ(flat.encoded.vertices, testing::sphere(12).positions.size());
     expect_same_triangles(creased, shaded(creased, 1), gouraud.decoded, options_for(creased).grid);
+}
+
+TEST(LevelCodec, LeanKeepsTheSplitAndComesNearTheNormalsWithFewerBytes) {
+    const Mesh level = mesh::with_normals(testing::sphere(24), 180.0);
+    std::vector<std::uint8_t> gouraud;
+    for (const mesh::Triangle& t : level.triangles) gouraud.push_back(level.positions[t[0]].x > 0.2f);
+    EncodeOptions options = options_for(level);
+    const Coded plain = round_trip(model_of_one_material(), level, gouraud, options);
+    options.lean = true;
+    const Coded lean = round_trip(model_of_one_material(), level, gouraud, options);
+    expect_same_triangles(level, gouraud, lean.decoded, options.grid);
+    EXPECT_LT(lean.encoded.glb.size(), plain.encoded.glb.size());
+    ASSERT_EQ(lean.decoded.primitives.size(), 2u);
+    const Mesh& smooth = lean.decoded.primitives[0].mesh;
+    for (std::size_t v = 0; v < smooth.positions.size(); ++v)  // a sphere's normals are its positions
+        EXPECT_GT(dot(smooth.normals[v], normalize(smooth.positions[v])), std::cos(radians(9.0)));
+}
+
+TEST(LevelCodec, LeanGouraudNormalsOfAFanWithoutEndAreReadInLinearTime) {
+    constexpr std::uint32_t spokes = 20'000;  // every corner at the hub has a normal of its own
+    Mesh fan;
+    for (std::uint32_t i = 0; i < spokes; ++i) {
+        const double angle = 2 * pi * i / spokes, next = 2 * pi * (i + 1) / spokes;
+        const std::uint32_t first = 3 * i;
+        fan.positions.insert(fan.positions.end(), {Vec3f(0.0f), Vec3f(std::cos(angle), 0, std::sin(angle)),
+                                                   Vec3f(std::cos(next), 0, std::sin(next))});
+        for (int k = 0; k < 3; ++k) fan.normals.push_back(normalize(Vec3f(std::cos(angle), 0.1f, std::sin(angle))));
+        fan.triangles.push_back({first, first + 2, first + 1});
+    }
+    EncodeOptions options = options_for(fan);
+    options.lean = true;
+    const Coded coded = round_trip(model_of_one_material(), fan, shaded(fan, 1), options);
+    EXPECT_EQ(coded.decoded.primitives.at(0).mesh.triangles.size(), spokes);
 }
 
 TEST(LevelCodec, KeepsTrianglesThatCollapseOnTheGrid) {
@@ -483,16 +517,21 @@ TEST(LevelCodec, IsDeterministic) {
     EXPECT_EQ(a->glb, b->glb);
 }
 
-std::vector<std::byte> small_glb(bool plain) {
+enum class Form { draco, accessors, lean };
+constexpr std::array<Form, 3> all_forms{Form::draco, Form::accessors, Form::lean};
+
+std::vector<std::byte> small_glb(Form form) {
     Mesh level = testing::tetrahedron();
-    if (plain) level.triangles.push_back({0, 0, 1});
+    if (form == Form::accessors) level.triangles.push_back({0, 0, 1});
     level.normals.assign(level.positions.size(), Vec3f(0, 1, 0));
     level.texture_coordinates = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
     level.colors = {Rgba8(1), Rgba8(2), Rgba8(3), Rgba8(4)};
     Model model = model_of_one_material();
     model.images.push_back(png_image());
     model.materials[0].base_color_texture.image = 0;
-    Result<Encoded> encoded = encode_level(model, level, first_half_gouraud(level), options_for(level));
+    EncodeOptions options = options_for(level);
+    options.lean = form == Form::lean;
+    Result<Encoded> encoded = encode_level(model, level, first_half_gouraud(level), options);
     EXPECT_TRUE(encoded.ok());
     return encoded.ok() ? std::move(encoded->glb) : std::vector<std::byte>{};
 }
@@ -510,16 +549,16 @@ void expect_sound(const Decoded& decoded) {
 }
 
 TEST(LevelDecoder, EveryTruncationIsAnError) {
-    for (const bool plain : {false, true}) {
-        const std::vector<std::byte> glb = small_glb(plain);
+    for (const Form form : all_forms) {
+        const std::vector<std::byte> glb = small_glb(form);
         for (std::size_t length = 0; length < glb.size(); ++length)
             ASSERT_FALSE(decode_level(std::span(glb).first(length)).ok()) << length;
     }
 }
 
 TEST(LevelDecoder, EveryFlippedByteIsAnErrorOrASoundLevel) {
-    for (const bool plain : {false, true}) {
-        const std::vector<std::byte> glb = small_glb(plain);
+    for (const Form form : all_forms) {
+        const std::vector<std::byte> glb = small_glb(form);
         ASSERT_TRUE(decode_level(glb).ok());
         for (std::size_t at = 0; at < glb.size(); ++at)
             for (const int mask : {0x01, 0xff}) {

@@ -236,13 +236,22 @@ TEST(Planner, InfeasibleGetsTheLeastThereIsAndSaysSo) {
     EXPECT_NE(plan.warnings.back().find("less than one triangle"), std::string::npos);
 }
 
+TEST(Planner, LeanIsTheSameLevelInFewerBytes) {
+    proto::PlanRequest request = request_for("teapot", 3400);
+    const proto::PlanResponse plain = *baked().planner.plan(request);
+    request.profile = proto::Profile::lean;
+    const proto::PlanResponse lean = *baked().planner.plan(request);
+    EXPECT_EQ(lean.content.profile, "lean");
+    EXPECT_EQ(plain.content.profile, "plain");
+    EXPECT_EQ(lean.level.triangles, plain.level.triangles);
+    EXPECT_NE(lean.content.url, plain.content.url);
+    EXPECT_LT(lean.content.bytes, plain.content.bytes);
+}
+
 TEST(Planner, RefusesWhatItCannotServe) {
     EXPECT_EQ(baked().planner.plan(request_for("nobody", 300)).error().code, ErrorCode::not_found);
     EXPECT_EQ(baked().planner.plan(request_for("baking", 300)).error().code, ErrorCode::unavailable);
     EXPECT_EQ(baked().planner.plan(request_for("teapot", -1)).error().code, ErrorCode::invalid_input);
-    proto::PlanRequest lean = request_for("teapot", 300);
-    lean.profile = proto::Profile::lean;
-    EXPECT_EQ(baked().planner.plan(lean).error().code, ErrorCode::unsupported);
     EXPECT_EQ(baked().planner.cut("teapot", 0).error().code, ErrorCode::invalid_input);
 }
 

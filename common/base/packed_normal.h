@@ -8,7 +8,7 @@
 
 #include "common/base/math.h"
 
-namespace lodestream::simplify {
+namespace lodestream {
 
 // `v`: of any length; (0, 0, 0) and what is not finite become +y.
 inline std::uint32_t pack_normal(const Vec3f& v) {
@@ -43,4 +43,4 @@ inline Vec3f unpack_normal(std::uint32_t packed) {
     return n / length(n);
 }
 
-}  // namespace lodestream::simplify
+}  // namespace lodestream
