@@ -88,6 +88,8 @@ class NormalDeriver {
         }
     }
 
+    const std::vector<Vec3f>& face_normals() const { return units_; }
+
     std::vector<Vec3f> run() {
         std::vector<Vec3f> average(sums_.size(), Vec3f{0.0f});
         for (std::size_t v = 0; v < sums_.size(); ++v)
@@ -152,13 +154,20 @@ struct Corrections {
     std::vector<std::pair<std::uint32_t, Vec3f>> vertices, corners;
 };
 
-Corrections find_corrections(const std::vector<Vec3f>& derived, const Triangles& triangles, std::size_t vertices,
+Corrections find_corrections(const std::vector<Vec3f>& positions, const Triangles& triangles,
                              const LeanShading& wanted) {
-    const auto least = static_cast<float>(std::cos(radians(lean_normal_tolerance_degrees)));
+    NormalDeriver deriver(positions, triangles);
+    const std::vector<Vec3f> derived = deriver.run();
+    const std::size_t vertices = positions.size();
+    const auto always_good = static_cast<float>(std::cos(radians(lean_always_good_degrees)));
+    const auto tolerance = static_cast<float>(std::cos(radians(lean_normal_tolerance_degrees)));
+    const auto off = [&](std::uint32_t c) {
+        const float flat = dot(deriver.face_normals()[c / 3], wanted.normals[c]);
+        return !(dot(derived[c], wanted.normals[c]) >= std::clamp(flat, tolerance, always_good));
+    };
     constexpr std::uint32_t none = 0xffffffffu;
     std::vector<std::uint32_t> first_corner(vertices, none);
     std::vector<std::uint8_t> is_off(vertices, 0), differs(vertices, 0);
-    const auto off = [&](std::uint32_t c) { return !(dot(derived[c], wanted.normals[c]) >= least); };
     const auto for_each_gouraud = [&](const auto& visit) {
         for (std::uint32_t t = 0; t < triangles.size(); ++t)
             for (std::uint32_t k = 0; k < 3 && wanted.gouraud[t]; ++k) visit(3 * t + k, triangles[t][k]);
@@ -228,8 +237,7 @@ std::vector<std::byte> encode_lean_shading(const std::vector<Vec3f>& positions, 
         while (end < wanted.gouraud.size() && (wanted.gouraud[end] != 0) == (is_gouraud != 0)) ++end;
         put_number(bytes, end - begin);
     }
-    const Corrections corrections =
-        find_corrections(derive_normals(positions, triangles), triangles, positions.size(), wanted);
+    const Corrections corrections = find_corrections(positions, triangles, wanted);
     put_corrections(bytes, corrections.vertices);
     put_corrections(bytes, corrections.corners);
     return bytes;

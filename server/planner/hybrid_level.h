@@ -26,6 +26,7 @@ struct EncodedSplit {
     std::uint64_t gouraud = 0;
     std::uint64_t flat = 0;
     proto::ShadingMode mode = proto::ShadingMode::hybrid;  // what became of it
+    bool lean = false;                                     // where it was asked for and is the smaller form
     std::uint64_t criterion_operations = 0;                // counted while the triangles were judged
 };
 
@@ -34,7 +35,8 @@ using Extras = std::function<std::string(const EncodedSplit&)>;
 
 // `model` gives materials, images and origin. Triangles are judged by common/shading/importance.h in the request's
 // view, whatever the mode, as Table 3 counts the criterion in all of its rows. Tries ever fewer and larger regions
-// until the hybrid level is not larger than the all-Gouraud one, and sends that one if none is.
+// until the hybrid level is not larger than the all-Gouraud one, and sends that one if none is. A lean level carries no
+// extras, which its client has from the plan, and is a plain one where that is smaller.
 Result<EncodedSplit> encode_split(const mesh::Model& model, const mesh::Mesh& level, const SplitRequest& request,
                                   const codec::EncodeOptions& options, const Extras& extras);
 

@@ -211,7 +211,6 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
     options.grid = bake::level_grid(loaded.baked.grid_bounds, level, error);
     options.images = wanted.textures.images;
     options.lean = wanted.profile == proto::Profile::lean;
-    response.content.profile = proto::profile_name(wanted.profile);
     response.level.triangles = level.triangles.size();
     const Extras extras = [&](const EncodedSplit& attempt) {
         proto::PlanResponse figures = response;
@@ -223,6 +222,7 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
     response.timing_ms.encode = encoding.ms();
 
     fill_shading(response, *encoded);
+    response.content.profile = proto::profile_name(encoded->lean ? proto::Profile::lean : proto::Profile::plain);
     fill_content(response, encoded->encoded, asset.levels.empty() ? 0 : geometry_bytes(asset.levels.front()));
     if (split.mode == proto::ShadingMode::hybrid && encoded->mode == proto::ShadingMode::gouraud &&
         split.distance > 0.0)

@@ -82,6 +82,25 @@ TEST(LeanShading, WhateverNormalsAreWantedArriveWithinTheTolerance) {
     }
 }
 
+TEST(LeanShading, FacetsThatAreMeantToBeFlatStayFlat) {
+    constexpr int sides = 24;  // they meet at 15 degrees
+    mesh::Mesh prism;
+    LeanShading wanted;
+    for (int i = 0; i <= sides; ++i)
+        for (const float y : {0.0f, 1.0f})
+            prism.positions.emplace_back(std::cos(2 * pi * i / sides), y, std::sin(2 * pi * i / sides));
+    for (std::uint32_t i = 0; i < sides; ++i) {
+        const std::uint32_t a = 2 * i;
+        prism.triangles.insert(prism.triangles.end(), {mesh::Triangle{a, a + 1, a + 2}, {a + 1, a + 3, a + 2}});
+        const double middle = 2 * pi * (i + 0.5) / sides;
+        for (int c = 0; c < 6; ++c) wanted.normals.emplace_back(std::cos(middle), 0, std::sin(middle));
+    }
+    wanted.gouraud.assign(prism.triangles.size(), 1);
+    const LeanShading read = round_trip(prism, wanted);
+    for (std::size_t c = 0; c < wanted.normals.size(); ++c)
+        EXPECT_LT(degrees_between(read.normals[c], wanted.normals[c]), lean_always_good_degrees + packed_degrees);
+}
+
 TEST(LeanShading, AnySplitArrivesAsItIs) {
     std::mt19937 random(3);
     const mesh::Mesh sphere = testing::sphere(10);
