@@ -79,15 +79,21 @@ export async function collect_levels(url) {
   return glbs;
 }
 
+// What a plan request is answered with, and its GLB as {name, bytes}.
+export async function fetch_plan(url, request) {
+  const options = { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(request) };
+  const plan = await get_json(`${url}/v1/plans`, options);
+  return { plan, glb: await fetch_glb(new URL(plan.content.url, url), `${request.asset}, ${plan.level.triangles} triangles`) };
+}
+
 // The GLB that each device's plan answers with, for every ready asset.
 export async function collect_plans(url, device_files) {
   const glbs = [];
   for (const file of device_files) {
     const device = JSON.parse(await readFile(file));
     for (const asset of (await list_assets(url)).filter(({ status }) => status === "ready")) {
-      const body = JSON.stringify({ asset: asset.name, ...device });
-      const plan = await get_json(`${url}/v1/plans`, { method: "POST", headers: { "content-type": "application/json" }, body });
-      glbs.push(await fetch_glb(new URL(plan.content.url, url), `${asset.name}, plan for ${path.basename(file, ".json")}`));
+      const { plan, glb } = await fetch_plan(url, { asset: asset.name, ...device });
+      glbs.push({ ...glb, name: `${asset.name}, ${plan.content.profile} plan for ${path.basename(file, ".json")}` });
     }
   }
   return glbs;

@@ -1,4 +1,5 @@
-// The real server bakes the samples and a few telling models; every ladder level and the plans of the four devices are judged.
+// The real server bakes the samples and a few telling models; every ladder level and the plans of the four devices are judged,
+// and lean and plain levels of the samples are weighed.
 //   node tests/web/validate_served.mjs LODESTREAM_SERVER GLB_INSPECT
 import { existsSync } from "node:fs";
 import { cp, mkdir, mkdtemp, readdir, rm } from "node:fs/promises";
@@ -6,6 +7,7 @@ import { tmpdir } from "node:os";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
 
+import { check_bytes } from "./bytes.mjs";
 import { collect_levels, collect_plans, list_assets, with_server } from "./server.mjs";
 import { check_glbs } from "./validate.mjs";
 
@@ -46,7 +48,8 @@ async function check_served(url, inspect_program) {
   const folder = path.join(root, "deploy/devices");
   const devices = (await readdir(folder)).map((name) => path.join(folder, name));
   const glbs = [...(await collect_levels(url)), ...(await collect_plans(url, devices))];
-  return failed.length + (await check_glbs(distinct(glbs), inspect_program));
+  const bad = await check_glbs(distinct(glbs), inspect_program);
+  return failed.length + bad + (await check_bytes(url, ["teapot", "ship", "terrain"]));
 }
 
 const [server_program, inspect_program] = process.argv.slice(2);
