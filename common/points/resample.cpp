@@ -119,7 +119,8 @@ struct Place {
 
 Place place_of(const Sample& sample, std::size_t axis, const Corners& corners, const Raster& raster) {
     const std::uint32_t width = raster.view(axis).width;
-    const double x = sample.hit.pixel % width + 0.5, y = sample.hit.pixel / width + 0.5;  // of whole pixels
+    const std::uint32_t column = sample.hit.pixel % width, row = sample.hit.pixel / width;
+    const double x = column + 0.5, y = row + 0.5;
     Place place;
     if (!(sample.hit.triangle & drawn_as_point)) weights_at(seen_along(corners, axis), x, y, place.weights);
     place.px = place.weights.x * corners[0] + place.weights.y * corners[1] + place.weights.z * corners[2];

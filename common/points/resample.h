@@ -26,7 +26,7 @@ struct Parameters {
     std::uint32_t side = 1;    // T3, pixels along that side, in [1, max_side]
 };
 
-inline constexpr double oversampling = 3.0;       // points drawn for each one of the budget, so that order() can choose
+inline constexpr double oversampling = 2.0;       // points drawn for each one of the budget, so that order() can choose
 inline constexpr double samples_per_pixel = 2.0;  // along a side: finer ones could not be told apart
 
 // Parameters with which resample() gives about oversampling * `budget` points, and no more than a picture in which the
