@@ -35,6 +35,19 @@ std::string cut_record(const CutRecord& cut) {
                   {"out", cut.out}});
 }
 
+std::string cut_record(const PointCutRecord& cut) {
+    return print({{"asset", cut.asset},
+                  {"points", cut.points},
+                  {"bytes", cut.bytes},
+                  {"cut_ms", cut.cut_ms},
+                  {"encode_ms", cut.encode_ms},
+                  {"rms_error", cut.rms_error},
+                  {"max_error", cut.max_error},
+                  {"radius", cut.radius},
+                  {"rms_error_percent", cut.rms_error_percent},
+                  {"out", cut.out}});
+}
+
 std::string content_extras(const std::string& asset, const PlanResponse& plan) {
     const Object whole = Object::parse(to_json(plan));
     Object extras{{"asset", asset}, {"level", whole.at("level")}, {"shading", whole.at("shading")}};

@@ -65,10 +65,12 @@ int run(int argc, char** argv) {
     });
 
     cli::CutArguments cut;
-    CLI::App* cut_app = app.add_subcommand("cut", "Write the level of at most N triangles of a baked asset");
+    CLI::App* cut_app = app.add_subcommand("cut", "Write the level of at most N triangles or points of a baked asset");
     cut_app->add_option("--store", cut.store, "Folder of the store")->required();
     cut_app->add_option("--asset", cut.asset, "The asset's name")->required();
-    cut_app->add_option("--triangles", cut.triangles, "The budget")->required()->check(CLI::PositiveNumber);
+    auto* cut_budget = cut_app->add_option_group("budget")->require_option(1);
+    cut_budget->add_option("--triangles", cut.triangles, "The budget")->check(CLI::PositiveNumber);
+    cut_budget->add_option("--points", cut.points, "The budget of a level of points")->check(CLI::PositiveNumber);
     cut_app->add_option("--out", cut.out, "FILE.glb or FILE.ply")->required();
     cut_app->add_flag("--json", cut.json, "Print the figures as JSON");
     cut_app->callback([&] { command = [&] { return cli::cut(cut); }; });

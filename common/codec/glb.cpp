@@ -109,6 +109,26 @@ Result<Glb> split_glb(std::span<const std::byte> bytes) {
     return glb;
 }
 
+Result<Glb> split_glb_start(std::span<const std::byte> bytes) {
+    if (bytes.size() < header_bytes || word_at(bytes, 0) != magic || word_at(bytes, 4) != 2 ||
+        word_at(bytes, 8) < bytes.size())
+        return invalid_input("GLB: not a version 2 header");
+    std::span<const std::byte> rest = bytes.subspan(header_bytes);
+    const auto text = take_chunk(rest, json_chunk);
+    if (text.empty()) return invalid_input("GLB: no whole JSON chunk");
+    Glb glb;
+    if (rest.size() >= chunk_header_bytes) {
+        if (word_at(rest, 4) != binary_chunk) return invalid_input("GLB: damaged binary chunk");
+        const std::size_t length = word_at(rest, 0);
+        glb.binary = rest.subspan(chunk_header_bytes);
+        if (glb.binary.size() > length) return invalid_input("GLB: damaged binary chunk");
+    }
+    Result<nlohmann::json> json = parse_json({reinterpret_cast<const char*>(text.data()), text.size()});
+    if (!json) return fail(json.error().code, "GLB: " + json.error().message);
+    glb.json = std::move(*json);
+    return glb;
+}
+
 Result<std::vector<std::byte>> join_glb(const nlohmann::json& json, std::vector<std::byte> binary) {
     std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     if (text.size() > max_json_bytes)

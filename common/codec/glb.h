@@ -43,6 +43,8 @@ struct Glb {
 };
 
 Result<Glb> split_glb(std::span<const std::byte> bytes);
+// The same of a file that may end early, but not before the end of its JSON.
+Result<Glb> split_glb_start(std::span<const std::byte> bytes);
 Result<std::vector<std::byte>> join_glb(const nlohmann::json& json, std::vector<std::byte> binary);
 
 }  // namespace lodestream::codec

@@ -15,6 +15,7 @@
 #include "common/mesh/operations.h"
 #include "server/bake/executor.h"
 #include "server/bake/first_levels.h"
+#include "server/bake/points.h"
 #include "server/bake/source_model.h"
 #include "server/bake/stopwatch.h"
 #include "server/bake/textures.h"
@@ -186,6 +187,7 @@ Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::
     if (!make_all(measured_counts(asset.triangles), baked.errors, progress, recorded_share, measured_share, measure))
         return ended;
     baked.errors = in_order(std::move(baked.errors));
+    if (Status made = make_points(store, asset.id, baked.model, source, original); !made) return made.error();
 
     std::vector<std::optional<Result<proto::Level>>> levels;
     const auto make = [&](std::uint64_t triangles) { return make_level(maker, triangles); };

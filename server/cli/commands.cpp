@@ -9,6 +9,8 @@
 
 #include "proto/records.h"
 #include "server/bake/bake.h"
+#include "server/bake/points.h"
+#include "server/bake/stopwatch.h"
 #include "server/cli/asset_folder.h"
 #include "server/cli/files.h"
 #include "server/cli/progress_bar.h"
@@ -109,6 +111,45 @@ void submit_samples(store::Store& store, http::BakeQueue& bakes) {
     }
 }
 
+double diagonal_of(const proto::Asset& asset) {
+    if (!asset.bounds_min || !asset.bounds_max) return 0.0;
+    const auto &low = *asset.bounds_min, &high = *asset.bounds_max;
+    return glm::length(Vec3d(high[0], high[1], high[2]) - Vec3d(low[0], low[1], low[2]));
+}
+
+Status cut_points(store::Store& store, const CutArguments& arguments) {
+    const Result<proto::Asset> asset = store.asset(arguments.asset);
+    if (!asset) return asset.error();
+    const bake::Stopwatch watch;
+    const Result<codec::Points> all = bake::load_points(store, asset->id);
+    if (!all) return all.error();
+    const codec::Points cut = bake::cut_points(*all, *arguments.points);
+    proto::PointCutRecord record;
+    record.cut_ms = watch.ms();
+    Result<Written> written = write_points(arguments.out, cut);
+    if (!written) return written.error();
+
+    const points::Level level = cut.levels.empty() ? points::Level{} : cut.levels.front();
+    const double diagonal = diagonal_of(*asset);
+    record.asset = arguments.asset;
+    record.points = cut.cloud.positions.size();
+    record.bytes = written->bytes;
+    record.encode_ms = written->encode_ms;
+    record.rms_error = level.error.rms;
+    record.max_error = level.error.max;
+    record.radius = level.radius;
+    record.rms_error_percent = diagonal > 0.0 ? 100.0 * level.error.rms / diagonal : 0.0;
+    record.out = arguments.out.string();
+    if (arguments.json)
+        std::printf("%s\n", proto::cut_record(record).c_str());
+    else
+        std::printf("%s: %llu points, %llu bytes, rms error %.5f %% of the diagonal; cut %.2f ms, encode %.1f ms\n",
+                    record.out.c_str(), static_cast<unsigned long long>(record.points),
+                    static_cast<unsigned long long>(record.bytes), record.rms_error_percent, record.cut_ms,
+                    record.encode_ms);
+    return Nothing{};
+}
+
 }  // namespace
 
 std::string asset_name_of(const std::string& input) {
@@ -181,6 +222,7 @@ Status bake(const BakeArguments& arguments) {
 Status cut(const CutArguments& arguments) {
     Result<store::Store> store = store::Store::open(arguments.store);
     if (!store) return store.error();
+    if (arguments.points) return cut_points(*store, arguments);
     planner::Planner planner(*store);
     Result<planner::Planner::Cut> level = planner.cut(arguments.asset, arguments.triangles);
     if (!level) return level.error();

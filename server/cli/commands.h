@@ -37,7 +37,8 @@ struct CutArguments {
     std::filesystem::path store;
     std::string asset;
     std::uint64_t triangles = 0;
-    std::filesystem::path out;  // .glb or .ply
+    std::optional<std::uint64_t> points;  // the point level of at most so many instead
+    std::filesystem::path out;            // .glb or .ply
     bool json = false;
 };
 Status cut(const CutArguments& arguments);

@@ -1,11 +1,12 @@
 #include "server/cli/files.h"
 
-#include <chrono>
 #include <fstream>
+#include <functional>
 
 #include "common/codec/level_codec.h"
 #include "common/mesh/operations.h"
 #include "server/bake/bake.h"
+#include "server/bake/stopwatch.h"
 #include "server/cli/ply_writer.h"
 
 namespace lodestream::cli {
@@ -25,6 +26,22 @@ Result<std::vector<std::byte>> encode_glb(const mesh::Model& model, double error
     return std::move(encoded->glb);
 }
 
+// Writes what one of the two makes, by the extension of `file`.
+Result<Written> write_either(const std::filesystem::path& file, Written& written,
+                             const std::function<Result<std::vector<std::byte>>()>& glb,
+                             const std::function<std::vector<std::byte>()>& ply) {
+    const bake::Stopwatch watch;
+    Result<std::vector<std::byte>> bytes =
+        invalid_input("cannot write '" + file.string() + "': the name must end in .glb or .ply");
+    if (file.extension() == ".glb") bytes = glb();
+    if (file.extension() == ".ply") bytes = ply();
+    if (!bytes) return bytes.error();
+    written.encode_ms = watch.ms();
+    written.bytes = bytes->size();
+    if (Status done = write_file(file, *bytes); !done) return done.error();
+    return written;
+}
+
 }  // namespace
 
 Status write_file(const std::filesystem::path& file, std::span<const std::byte> bytes) {
@@ -39,22 +56,28 @@ Status write_file(const std::filesystem::path& file, std::span<const std::byte> 
 
 Result<Written> write_model(const std::filesystem::path& file, const mesh::Model& model, double error,
                             const std::string& extras_json) {
-    const auto start = std::chrono::steady_clock::now();
     Written written{model.mesh.triangles.size(), model.mesh.positions.size(), 0, 0.0};
-    std::vector<std::byte> bytes;
-    if (file.extension() == ".glb") {
-        Result<std::vector<std::byte>> glb = encode_glb(model, error, extras_json, written);
-        if (!glb) return glb.error();
-        bytes = std::move(*glb);
-    } else if (file.extension() == ".ply") {
-        bytes = write_ply(model);
-    } else {
-        return invalid_input("cannot write '" + file.string() + "': the name must end in .glb or .ply");
-    }
-    written.encode_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    written.bytes = bytes.size();
-    if (Status done = write_file(file, bytes); !done) return done.error();
-    return written;
+    return write_either(
+        file, written, [&] { return encode_glb(model, error, extras_json, written); },
+        [&] { return write_ply(model); });
+}
+
+Result<Written> write_points(const std::filesystem::path& file, const codec::Points& points) {
+    Written written{0, points.cloud.positions.size(), 0, 0.0};
+    const auto glb = [&]() -> Result<std::vector<std::byte>> {
+        Result<codec::EncodedPoints> encoded = codec::encode_points(points);
+        if (!encoded) return encoded.error();
+        return std::move(encoded->glb);
+    };
+    const auto ply = [&] {
+        mesh::Model model;
+        model.mesh.positions = points.cloud.positions;
+        model.mesh.normals = points.cloud.normals;
+        model.mesh.colors = points.cloud.colors;
+        model.origin = points.origin;
+        return write_ply(model);
+    };
+    return write_either(file, written, glb, ply);
 }
 
 }  // namespace lodestream::cli

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "common/base/result.h"
+#include "common/codec/points_codec.h"
 #include "common/mesh/mesh.h"
 
 namespace lodestream::cli {
@@ -21,5 +22,8 @@ struct Written {
 // As .glb (Draco, all Gouraud; `error` sets the quantization) or .ply, by the extension of `file`.
 Result<Written> write_model(const std::filesystem::path& file, const mesh::Model& model, double error,
                             const std::string& extras_json);
+
+// As .glb or .ply, likewise.
+Result<Written> write_points(const std::filesystem::path& file, const codec::Points& points);
 
 }  // namespace lodestream::cli

@@ -1,4 +1,4 @@
-// libFuzzer entry for the two readers of hostile geometry. Not part of the build:
+// libFuzzer entry for the readers of hostile geometry. Not part of the build:
 //   clang++ -std=c++20 -g -O1 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/level_codec_fuzz.cpp
 //   common/codec/*.cpp \
 //     -ldraco -o level_codec_fuzz && ./level_codec_fuzz -rss_limit_mb=2048 CORPUS
@@ -11,6 +11,7 @@
 
 #include "common/codec/draco_mesh.h"
 #include "common/codec/level_codec.h"
+#include "common/codec/points_codec.h"
 
 namespace {
 
@@ -29,6 +30,14 @@ void check(const lodestream::codec::Decoded& decoded) {
     }
 }
 
+void check(const lodestream::codec::DecodedPoints& decoded) {
+    const auto& cloud = decoded.content.cloud;
+    require(cloud.positions.size() <= decoded.points);
+    require(cloud.normals.empty() || cloud.normals.size() == cloud.positions.size());
+    require(cloud.colors.empty() || cloud.colors.size() == cloud.positions.size());
+    for (const auto& position : cloud.positions) require(lodestream::all_finite(position));
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -36,6 +45,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (size > 4 && data[0] == 'g') {
         const auto decoded = lodestream::codec::decode_level(bytes);
         if (decoded) check(*decoded);
+        const auto points = lodestream::codec::decode_points(bytes);
+        if (points) check(*points);
         return 0;
     }
     const auto mesh = lodestream::codec::decode_draco(bytes, max_elements, max_elements);

@@ -1,0 +1,21 @@
+// Private to the codec: where the attributes of an interleaved point lie.
+#pragma once
+
+#include <cstddef>
+
+namespace lodestream::codec {
+
+inline constexpr const char* quantization_extension = "KHR_mesh_quantization";
+inline constexpr int gltf_byte = 5120;
+inline constexpr int gltf_points = 0;
+
+struct PointLayout {
+    bool has_normals = false;
+    bool has_colors = false;
+
+    static constexpr std::size_t normal_offset = 8;  // behind the position and its padding
+    std::size_t color_offset() const { return has_normals ? 12 : 8; }
+    std::size_t stride() const { return color_offset() + (has_colors ? 4 : 0); }
+};
+
+}  // namespace lodestream::codec

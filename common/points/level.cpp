@@ -1,0 +1,64 @@
+#include "common/points/level.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lodestream::points {
+
+namespace {
+
+// Of a disc's radius over the spacing: the points that order() chose from are themselves apart.
+constexpr double covering = 1.2;
+
+// The mesh that has a point wherever the cloud has one: triangles without area, which the metric measures as points.
+mesh::Mesh as_mesh(const PointCloud& cloud, std::uint64_t count) {
+    mesh::Mesh mesh;
+    mesh.positions = prefix({cloud.positions, {}, {}}, count).positions;
+    for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) mesh.triangles.push_back({v, v, v});
+    return mesh;
+}
+
+}  // namespace
+
+PointCloud prefix(const PointCloud& cloud, std::uint64_t count) {
+    const auto first = [&](const auto& all) {
+        const auto taken = static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(count, all.size()));
+        return std::vector(all.begin(), all.begin() + taken);
+    };
+    return {first(cloud.positions), first(cloud.normals), first(cloud.colors)};
+}
+
+metric::SurfaceError measure(const metric::SurfaceIndex& original, const mesh::Mesh& mesh, const PointCloud& cloud,
+                             std::uint64_t count) {
+    return metric::measure(original, mesh, as_mesh(cloud, count));
+}
+
+std::vector<Level> measured_levels(const metric::SurfaceIndex& original, const mesh::Mesh& mesh,
+                                   const OrderedCloud& ordered, const simplify::Executor& executor) {
+    std::vector<Level> levels;
+    for (std::uint64_t points = ordered.cloud.positions.size(); points > 0; points /= 2) {
+        levels.push_back({points, {}, covering * ordered.spacings[points - 1]});
+        if (points / 2 < fewest_measured) break;
+    }
+    simplify::run(executor, levels.size(),
+                  [&](std::size_t k) { levels[k].error = measure(original, mesh, ordered.cloud, levels[k].points); });
+    for (std::size_t k = 1; k < levels.size(); ++k) {
+        levels[k].error.rms = std::max(levels[k].error.rms, levels[k - 1].error.rms);
+        levels[k].error.max = std::max(levels[k].error.max, levels[k - 1].error.max);
+    }
+    return levels;
+}
+
+Level level_of(std::span<const Level> levels, std::uint64_t count) {
+    const std::uint64_t points = std::min(count, levels.front().points);
+    const auto coarser =
+        std::find_if(levels.begin(), levels.end(), [&](const Level& level) { return level.points <= points; });
+    Level level = coarser == levels.end() ? levels.back() : *coarser;
+    if (level.points == points || points == 0) return {points, level.error, level.radius};
+    const Level& finer = *(coarser - 1);
+    level.points = points;
+    level.radius = finer.radius * std::sqrt(static_cast<double>(finer.points) / static_cast<double>(points));
+    return level;
+}
+
+}  // namespace lodestream::points

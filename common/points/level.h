@@ -1,0 +1,36 @@
+// What is known of a level, a prefix of an ordered cloud.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/mesh/mesh.h"
+#include "common/metric/surface_distance.h"
+#include "common/points/order.h"
+#include "common/simplify/executor.h"
+
+namespace lodestream::points {
+
+struct Level {
+    std::uint64_t points = 0;
+    metric::SurfaceError error;  // measured between its points and the mesh, both ways
+    double radius = 0.0;         // of the discs that leave no hole between them, model units
+};
+
+inline constexpr std::uint64_t fewest_measured = 64;  // points
+
+// Two-sided distance between the first `count` points and the mesh. Without points or triangles as metric::measure().
+metric::SurfaceError measure(const metric::SurfaceIndex& original, const mesh::Mesh& mesh, const PointCloud& cloud,
+                             std::uint64_t count);
+
+// The whole cloud and its halves down to fewest_measured, finest first, each measured. A coarser level is never said to
+// be better. Empty for an empty cloud.
+std::vector<Level> measured_levels(const metric::SurfaceIndex& original, const mesh::Mesh& mesh,
+                                   const OrderedCloud& ordered, const simplify::Executor& executor = {});
+
+// A level of `count` points: it has the error of the measured one that is not finer and the radius that its points'
+// own distance gives. At most as many points as there are. pre: levels as from measured_levels, not empty
+Level level_of(std::span<const Level> levels, std::uint64_t count);
+
+}  // namespace lodestream::points

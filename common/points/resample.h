@@ -1,0 +1,58 @@
+// A mesh becomes points, after "point-cloud LOD for low-level GPUs": six orthographic views along the axes, each cut
+// into T1 slices that are drawn into images of T3 pixels a side; what a pixel hits becomes a point.
+//
+// As it is done here, the paper's slips mended (seeds-digest §3): exactly T1 slices cover the whole extent, and both
+// directions of an axis see all of them. The two look at the same hits, so an axis is drawn once and each slice keeps,
+// pixel by pixel, what is nearest to either end. A point lies at the pixel's centre and at the depth of the hit itself,
+// not of its slice. The paper's point size T2 is one pixel: a triangle that falls between the pixel centres of all
+// views is drawn as such a point, so needles and specks stay. Wider points would only thicken the model; how large a
+// point is on the screen is for the renderer (Level::radius).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "common/mesh/mesh.h"
+#include "common/points/point_cloud.h"
+#include "common/simplify/executor.h"
+
+namespace lodestream::points {
+
+inline constexpr std::uint32_t max_side = 2048;    // px of an image
+inline constexpr std::uint32_t max_slices = 2048;  // as many as pixels: cells are cubes
+
+struct Parameters {
+    std::uint32_t slices = 1;  // T1, along the longest side of the mesh's box, in [1, max_slices]
+    std::uint32_t side = 1;    // T3, pixels along that side, in [1, max_side]
+};
+
+inline constexpr double oversampling = 2.0;       // points drawn for each one of the budget, so that order() can choose
+inline constexpr double samples_per_pixel = 2.0;  // along a side: finer ones could not be told apart
+
+// Parameters with which resample() gives about oversampling * `budget` points, and no more than a picture in which the
+// mesh's longest side covers `pixels` can show; 0: not known.
+Parameters choose_parameters(const mesh::Mesh& mesh, std::uint64_t budget, std::uint32_t pixels = 0);
+
+// How a hole in a slice is told from the space around: by what its eight neighbours show within a slice of each other.
+enum class HoleFilter {
+    none,
+    median,   // the paper's choice: five neighbours, at the median of their depths
+    gaussian  // weights 2 beside and 1 across a corner, half of the kernel's sum; at their mean depth
+};
+
+// The colour of a point on a triangle; `weights` of its corners, summing to 1.
+using ColorAt = std::function<Rgba8(std::size_t triangle, const Vec3f& weights)>;
+
+struct ResampleOptions {
+    HoleFilter filter = HoleFilter::median;
+    ColorAt color;  // called from any thread; empty: the mesh's own colours, where it has them
+    simplify::Executor executor;
+};
+
+// Points of the mesh's surface with the mesh's normals, or its faces' where it has none. What cannot be seen from
+// outside is left out: points that are no view's outermost and that no way from outside leads to through cells of a
+// 128th of the extent. The same for every executor. Memory: at most about 100 bytes for each triangle and pixel hit.
+// At most max_points; empty for a mesh without triangles.
+PointCloud resample(const mesh::Mesh& mesh, const Parameters& parameters, const ResampleOptions& options = {});
+
+}  // namespace lodestream::points

@@ -1,0 +1,190 @@
+#include "common/points/view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <span>
+
+namespace lodestream::points {
+
+namespace {
+
+// Where the triangle crosses a row's centre line.
+struct Span {
+    double left = std::numeric_limits<double>::infinity(), right = -std::numeric_limits<double>::infinity();
+
+    void add(double x) {
+        left = std::min(left, x);
+        right = std::max(right, x);
+    }
+};
+
+Span span_at(const std::array<Vec3d, 3>& corners, double y) {
+    Span span;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3d &a = corners[k], &b = corners[(k + 1) % 3];
+        if (std::min(a.y, b.y) > y || std::max(a.y, b.y) < y) continue;
+        if (a.y == b.y) {
+            span.add(a.x);
+            span.add(b.x);
+        } else {
+            span.add(a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x));
+        }
+    }
+    return span;
+}
+
+// Hits by pixel.
+struct Layers {
+    std::vector<Hit> hits;             // by pixel, then by depth
+    std::vector<std::uint32_t> first;  // of each pixel, and one past the last
+
+    std::span<const Hit> at(std::size_t pixel) const {
+        return std::span(hits).subspan(first[pixel], first[pixel + 1] - first[pixel]);
+    }
+};
+
+Layers layers_of(std::vector<Hit> hits, const ViewSize& size) {
+    Layers layers;
+    layers.first.assign(std::size_t{size.width} * size.height + 1, 0);
+    for (const Hit& hit : hits) ++layers.first[hit.pixel + 1];
+    std::partial_sum(layers.first.begin(), layers.first.end(), layers.first.begin());
+    layers.hits.resize(hits.size());
+    std::vector<std::uint32_t> next(layers.first.begin(), layers.first.end() - 1);
+    for (const Hit& hit : hits) layers.hits[next[hit.pixel]++] = hit;
+    for (std::size_t pixel = 0; pixel + 1 < layers.first.size(); ++pixel) {
+        const auto begin = layers.hits.begin() + layers.first[pixel],
+                   end = layers.hits.begin() + layers.first[pixel + 1];
+        if (end - begin > 1)
+            std::sort(begin, end, [](const Hit& a, const Hit& b) {
+                return a.depth != b.depth ? a.depth < b.depth : a.triangle < b.triangle;
+            });
+    }
+    return layers;
+}
+
+// The far end of the extent belongs to the last slice.
+std::uint32_t slice_of(const Hit& hit, const ViewSize& size) {
+    return static_cast<std::uint32_t>(std::clamp(hit.depth / size.slice_px, 0.0, size.slices - 1.0));
+}
+
+// Of each slice what is nearest to either end of the axis.
+void add_slices(std::span<const Hit> column, const ViewSize& size, std::vector<Sample>& samples) {
+    for (std::size_t i = 0; i < column.size(); ++i) {
+        const bool first = i == 0, last = i + 1 == column.size();
+        const std::uint32_t slice = slice_of(column[i], size);
+        const bool seen_from_front = first || slice_of(column[i - 1], size) != slice;
+        const bool seen_from_back = last || slice_of(column[i + 1], size) != slice;
+        if (seen_from_front || seen_from_back) samples.push_back({column[i], first || last, false});
+    }
+}
+
+const Hit* nearest_in(std::span<const Hit> column, float depth, double within) {
+    const Hit* best = nullptr;
+    for (const Hit& hit : column)
+        if (std::abs(hit.depth - depth) <= within &&
+            (!best || std::abs(hit.depth - depth) < std::abs(best->depth - depth)))
+            best = &hit;
+    return best;
+}
+
+// The neighbours of one pixel: beside it first, then across its corners.
+constexpr std::uint32_t back = ~0u;  // one less, as unsigned numbers wrap
+constexpr std::array<std::array<std::uint32_t, 2>, 8> neighbours{
+    {{back, 0}, {1, 0}, {0, back}, {0, 1}, {back, back}, {1, back}, {back, 1}, {1, 1}}};
+constexpr std::size_t beside = 4;
+
+struct Vote {
+    std::vector<const Hit*> hits;
+    int weight = 0;  // Gaussian, of 12
+    double depth_sum = 0.0;
+};
+
+Vote vote_at(const std::array<std::span<const Hit>, 8>& columns, float depth, double slice_px) {
+    Vote vote;
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+        const Hit* hit = nearest_in(columns[k], depth, slice_px);
+        if (!hit) continue;
+        const int weight = k < beside ? 2 : 1;
+        vote.hits.push_back(hit);
+        vote.weight += weight;
+        vote.depth_sum += weight * static_cast<double>(hit->depth);
+    }
+    return vote;
+}
+
+// The point that closes a hole of `pixel` around that depth, where the filter sees one.
+bool fills(Vote vote, HoleFilter filter, Hit& filled) {
+    constexpr std::size_t median_votes = 5;
+    constexpr int gaussian_weight = 8;  // of the kernel's 16
+    const bool is_median = filter == HoleFilter::median;
+    if (is_median ? vote.hits.size() < median_votes : vote.weight < gaussian_weight) return false;
+    const auto middle = vote.hits.begin() + static_cast<std::ptrdiff_t>(vote.hits.size() / 2);
+    std::nth_element(vote.hits.begin(), middle, vote.hits.end(),
+                     [](const Hit* a, const Hit* b) { return a->depth < b->depth; });
+    filled.triangle = (*middle)->triangle;
+    filled.depth = is_median ? (*middle)->depth : static_cast<float>(vote.depth_sum / vote.weight);
+    return true;
+}
+
+void close_holes(const Layers& layers, const ViewSize& size, std::uint32_t x, std::uint32_t y, HoleFilter filter,
+                 std::vector<Sample>& samples) {
+    std::array<std::span<const Hit>, 8> columns;
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+        const std::uint32_t row = y + neighbours[k][1], column = x + neighbours[k][0];
+        columns[k] = layers.at(std::size_t{row} * size.width + column);
+    }
+    const std::uint32_t pixel = y * size.width + x;
+    const std::span<const Hit> here = layers.at(pixel);
+    std::vector<Hit> filled;
+    for (std::size_t k = 0; k < beside; ++k)
+        for (const Hit& seed : columns[k]) {
+            if (nearest_in(here, seed.depth, size.slice_px) || nearest_in(filled, seed.depth, size.slice_px)) continue;
+            Hit hit{pixel, 0.0f, 0};
+            if (fills(vote_at(columns, seed.depth, size.slice_px), filter, hit)) filled.push_back(hit);
+        }
+    for (const Hit& hit : filled) samples.push_back({hit, false, true});
+}
+
+}  // namespace
+
+PixelRange pixels_between(double low, double high, std::uint32_t size) {
+    const double first = std::ceil(low - 0.5), last = std::floor(high - 0.5) + 1.0;
+    const auto bounded = [&](double x) {
+        return static_cast<std::uint32_t>(std::clamp(x, 0.0, static_cast<double>(size)));
+    };
+    return {bounded(first), last > first ? bounded(last) : bounded(first)};
+}
+
+PixelRange pixels_of_row(const std::array<Vec3d, 3>& corners, double y, std::uint32_t width) {
+    const Span span = span_at(corners, y);
+    return pixels_between(span.left, span.right, width);
+}
+
+bool weights_at(const std::array<Vec3d, 3>& corners, double x, double y, Vec3d& weights) {
+    constexpr double edge_on = 1e-9;  // px² of area: a depth found there would be rounding alone
+    const Vec3d &a = corners[0], &b = corners[1], &c = corners[2];
+    const double area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+    if (!(std::abs(area) > edge_on)) return false;
+    const double wb = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) / area;
+    const double wc = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / area;
+    weights = max(Vec3d(1.0 - wb - wc, wb, wc), Vec3d(0.0));
+    weights /= weights.x + weights.y + weights.z;
+    return true;
+}
+
+std::vector<Sample> sampled(std::vector<Hit> hits, const ViewSize& size, HoleFilter filter) {
+    const Layers layers = layers_of(std::move(hits), size);
+    std::vector<Sample> samples;
+    samples.reserve(layers.hits.size());
+    for (std::uint32_t y = 0; y < size.height; ++y)
+        for (std::uint32_t x = 0; x < size.width; ++x) {
+            add_slices(layers.at(std::size_t{y} * size.width + x), size, samples);
+            const bool has_neighbours = x > 0 && y > 0 && x + 1 < size.width && y + 1 < size.height;
+            if (filter != HoleFilter::none && has_neighbours) close_holes(layers, size, x, y, filter, samples);
+        }
+    return samples;
+}
+
+}  // namespace lodestream::points

@@ -1,0 +1,33 @@
+// An asset's point cloud in the store: resampled and ordered once in the bake, so that any prefix of it is a level.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "common/base/result.h"
+#include "common/codec/points_codec.h"
+#include "common/mesh/mesh.h"
+#include "common/metric/surface_distance.h"
+#include "server/store/store.h"
+
+namespace lodestream::bake {
+
+// A point for each triangle, within these: below, a mesh is as cheap; above, no weak device draws them.
+inline constexpr std::uint64_t min_baked_points = 1'000;
+inline constexpr std::uint64_t max_baked_points = 300'000;
+inline constexpr std::string_view points_key = "points";  // among an asset's content
+inline constexpr std::uint64_t max_points_bytes = 1ull << 30;
+
+// Makes, measures, encodes and stores them. `model`: materials, images and origin; `finest`: its finest level, which
+// `original` indexes. Errors: those of the codec and the store.
+Status make_points(store::Store& store, const std::string& asset_id, const mesh::Model& model, const mesh::Mesh& finest,
+                   const metric::SurfaceIndex& original);
+
+// Errors: not_found (the asset has none), those of reading and decoding.
+Result<codec::Points> load_points(const store::Store& store, const std::string& asset_id);
+
+// The level of at most `count` points as one that stands for itself: its own measured levels begin with it.
+codec::Points cut_points(const codec::Points& points, std::uint64_t count);
+
+}  // namespace lodestream::bake

@@ -1,0 +1,71 @@
+#include "common/points/level.h"
+
+#include "common/points/resample.h"
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+
+namespace lodestream::points {
+namespace {
+
+OrderedCloud ordered_sphere(const mesh::Mesh& mesh, std::uint64_t count) {
+    return order(resample(mesh, choose_parameters(mesh, count)), count);
+}
+
+TEST(Level, PrefixOfMoreThanThereAreIsAll) {
+    PointCloud cloud;
+    cloud.positions = {{0, 0, 0}, {1, 0, 0}};
+    EXPECT_EQ(prefix(cloud, 5).positions.size(), 2u);
+    EXPECT_EQ(prefix(cloud, 1).positions.size(), 1u);
+    EXPECT_TRUE(prefix(cloud, 1).colors.empty());
+}
+
+TEST(Level, ErrorIsMeasuredBothWays) {
+    const mesh::Mesh mesh = testing::single_triangle();
+    const metric::SurfaceIndex index(mesh);
+    PointCloud corner;
+    corner.positions = {{0, 0, 0}};
+    EXPECT_NEAR(measure(index, mesh, corner, 1).max, 1.0, 1e-6);  // of the surface to the point
+    PointCloud above = corner;
+    above.positions = {{0, 0, 5}};
+    EXPECT_GT(measure(index, mesh, above, 1).max, 5.0);
+}
+
+TEST(Level, NoPointsHaveTheErrorOfTheWholeDiagonal) {
+    const mesh::Mesh mesh = testing::single_triangle();
+    EXPECT_DOUBLE_EQ(measure(metric::SurfaceIndex(mesh), mesh, {}, 0).max, std::sqrt(2.0));
+    EXPECT_TRUE(measured_levels(metric::SurfaceIndex(mesh), mesh, {}).empty());
+}
+
+TEST(Level, HalvesAreMeasuredFinestFirst) {
+    const mesh::Mesh mesh = testing::sphere(40);
+    const metric::SurfaceIndex index(mesh);
+    const OrderedCloud ordered = ordered_sphere(mesh, 4000);
+    const std::vector<Level> levels = measured_levels(index, mesh, ordered);
+    ASSERT_EQ(levels.size(), 6u);
+    EXPECT_EQ(levels[0].points, 4000u);
+    EXPECT_EQ(levels[5].points, 125u);
+    for (std::size_t k = 0; k < levels.size(); ++k) {
+        EXPECT_LT(levels[k].error.max, 1.3 * levels[k].radius);
+        EXPECT_LE(levels[k].error.rms, levels[k].error.max);
+    }
+    for (std::size_t k = 1; k < levels.size(); ++k) {
+        EXPECT_GE(levels[k].error.max, levels[k - 1].error.max);
+        EXPECT_GT(levels[k].radius, levels[k - 1].radius);
+    }
+}
+
+TEST(Level, BetweenTwoMeasuredOnes) {
+    const std::vector<Level> levels{{400, {1, 2}, 1.0}, {200, {2, 3}, 1.4}, {100, {4, 6}, 2.0}};
+    EXPECT_EQ(level_of(levels, 1000).points, 400u);
+    EXPECT_EQ(level_of(levels, 1000).error.rms, 1.0);
+    EXPECT_EQ(level_of(levels, 300).error.rms, 2.0);
+    EXPECT_NEAR(level_of(levels, 300).radius, std::sqrt(400.0 / 300.0), 1e-12);
+    EXPECT_EQ(level_of(levels, 200).radius, 1.4);
+    EXPECT_EQ(level_of(levels, 25).error.max, 6.0);
+    EXPECT_NEAR(level_of(levels, 25).radius, 4.0, 1e-12);
+    EXPECT_EQ(level_of(levels, 0).points, 0u);
+}
+
+}  // namespace
+}  // namespace lodestream::points

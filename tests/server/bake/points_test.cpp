@@ -1,0 +1,108 @@
+#include "server/bake/points.h"
+
+#include <gtest/gtest.h>
+
+#include "server/bake/bake.h"
+#include "server/bake/surface_colors.h"
+#include "tests/support/meshes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace lodestream::bake {
+namespace {
+
+struct PointsTest : ::testing::Test {
+    testing::TemporaryFolder folder;
+    store::Store store = *store::Store::open(folder.path());
+
+    codec::Points baked(mesh::Model model) {
+        proto::Asset asset;
+        asset.id = asset.name = "model";
+        const auto done = bake(store, asset, std::move(model));
+        EXPECT_TRUE(done) << (done ? "" : done.error().message);
+        auto points = load_points(store, "model");
+        EXPECT_TRUE(points) << (points ? "" : points.error().message);
+        return points ? *std::move(points) : codec::Points{};
+    }
+};
+
+mesh::Model sphere_model(std::uint32_t n) {
+    mesh::Model model;
+    model.mesh = testing::sphere(n);
+    model.materials.resize(1);
+    model.materials[0].base_color = {0.5f, 0.25f, 1.0f, 1.0f};
+    return model;
+}
+
+TEST_F(PointsTest, ABakeLeavesOrderedPointsWithTheirErrors) {
+    const codec::Points points = baked(sphere_model(40));  // 3,120 triangles
+    EXPECT_EQ(points.cloud.positions.size(), 3120u);
+    EXPECT_EQ(points.cloud.normals.size(), 3120u);
+    EXPECT_TRUE(points.cloud.colors.empty());
+    EXPECT_EQ(points.base_color, Vec4f(0.5f, 0.25f, 1.0f, 1.0f));
+    ASSERT_GT(points.levels.size(), 4u);
+    EXPECT_EQ(points.levels.front().points, 3120u);
+    EXPECT_GT(points.levels.back().error.max, points.levels.front().error.max);
+}
+
+TEST_F(PointsTest, AModelFarAwayKeepsItsPlace) {
+    mesh::Model model = sphere_model(8);
+    model.origin = {1e7, -2e6, 5};
+    const codec::Points points = baked(std::move(model));
+    for (const Vec3f& p : points.cloud.positions)
+        ASSERT_LT(glm::length(points.origin + Vec3d(p) - Vec3d(1e7, -2e6, 5)), 1.01);
+}
+
+TEST_F(PointsTest, CutsAreLevelsOfTheirOwn) {
+    const codec::Points points = baked(sphere_model(40));
+    for (const std::uint64_t count : {0u, 1u, 64u, 1000u, 3120u, 1'000'000u}) {
+        const codec::Points cut = cut_points(points, count);
+        const std::uint64_t expected = std::min<std::uint64_t>(count, 3120);
+        EXPECT_EQ(cut.cloud.positions.size(), expected);
+        EXPECT_EQ(cut.levels.front().points, expected);
+        const auto encoded = codec::encode_points(cut);
+        ASSERT_TRUE(encoded) << encoded.error().message;
+        const auto decoded = codec::decode_points(encoded->glb);
+        ASSERT_TRUE(decoded) << count << ": " << decoded.error().message;
+        EXPECT_EQ(decoded->points, expected);
+        for (std::size_t i = 0; i < expected; i += 37)  // the asset's grid: no second rounding
+            ASSERT_EQ(decoded->content.cloud.positions[i], points.cloud.positions[i]);
+    }
+}
+
+TEST_F(PointsTest, AssetWithoutPoints) {
+    EXPECT_EQ(load_points(store, "nobody").error().code, ErrorCode::not_found);
+}
+
+TEST(SurfaceColors, MaterialsTexelsAndVertexColoursAreMultiplied) {
+    mesh::Model model;
+    model.mesh = testing::single_triangle();
+    model.materials.resize(1);
+    model.materials[0].base_color = {1.0f, 0.5f, 1.0f, 1.0f};
+    EXPECT_EQ(SurfaceColors(model, model.mesh).constant(), model.materials[0].base_color);
+
+    model.mesh.texture_coordinates = {{0.25f, 0.5f}, {0.75f, 0.5f}, {-0.25f, 0.5f}};  // left, right, right again
+    image::Pixels pixels{2, 1, {255, 255, 255, 255, 0, 0, 255, 255}};
+    model.images.push_back({"image/png", *image::encode_png(pixels), 2, 1});
+    model.materials[0].base_color_texture.image = 0;
+    const SurfaceColors textured(model, model.mesh);
+    EXPECT_FALSE(textured.constant());
+    EXPECT_EQ(textured.at(0, {1, 0, 0}), Rgba8(255, 128, 255, 255));
+    EXPECT_EQ(textured.at(0, {0, 1, 0}), Rgba8(0, 0, 255, 255));
+    EXPECT_EQ(textured.at(0, {0, 0, 1}), Rgba8(0, 0, 255, 255));
+
+    model.mesh.colors.assign(3, Rgba8(51, 255, 255, 255));
+    EXPECT_EQ(SurfaceColors(model, model.mesh).at(0, {1, 0, 0}), Rgba8(51, 128, 255, 255));
+}
+
+TEST(SurfaceColors, ABrokenImageIsWhite) {
+    mesh::Model model;
+    model.mesh = testing::single_triangle();
+    model.mesh.texture_coordinates.assign(3, Vec2f(std::numeric_limits<float>::quiet_NaN()));
+    model.materials.resize(1);
+    model.materials[0].base_color_texture.image = 0;
+    model.images.push_back({"image/png", std::vector<std::byte>(9), 1, 1});
+    EXPECT_EQ(SurfaceColors(model, model.mesh).at(0, {1, 0, 0}), Rgba8(255, 255, 255, 255));
+}
+
+}  // namespace
+}  // namespace lodestream::bake
