@@ -40,6 +40,7 @@ std::vector<Level> measured_levels(const metric::SurfaceIndex& original, const m
         levels.push_back({points, {}, covering * ordered.spacings[points - 1]});
         if (points / 2 < fewest_measured) break;
     }
+    if (!levels.empty() && levels.back().points > 1) levels.push_back({1, {}, covering * ordered.spacings[0]});
     simplify::run(executor, levels.size(),
                   [&](std::size_t k) { levels[k].error = measure(original, mesh, ordered.cloud, levels[k].points); });
     for (std::size_t k = 1; k < levels.size(); ++k) {

@@ -24,8 +24,8 @@ inline constexpr std::uint64_t fewest_measured = 64;  // points
 metric::SurfaceError measure(const metric::SurfaceIndex& original, const mesh::Mesh& mesh, const PointCloud& cloud,
                              std::uint64_t count);
 
-// The whole cloud and its halves down to fewest_measured, finest first, each measured. A coarser level is never said to
-// be better. Empty for an empty cloud.
+// The whole cloud, its halves down to fewest_measured and its first point, finest first, each measured. A coarser level
+// is never said to be better. Empty for an empty cloud.
 std::vector<Level> measured_levels(const metric::SurfaceIndex& original, const mesh::Mesh& mesh,
                                    const OrderedCloud& ordered, const simplify::Executor& executor = {});
 

@@ -42,9 +42,10 @@ TEST(Level, HalvesAreMeasuredFinestFirst) {
     const metric::SurfaceIndex index(mesh);
     const OrderedCloud ordered = ordered_sphere(mesh, 4000);
     const std::vector<Level> levels = measured_levels(index, mesh, ordered);
-    ASSERT_EQ(levels.size(), 6u);
+    ASSERT_EQ(levels.size(), 7u);
     EXPECT_EQ(levels[0].points, 4000u);
     EXPECT_EQ(levels[5].points, 125u);
+    EXPECT_EQ(levels[6].points, 1u);
     for (std::size_t k = 0; k < levels.size(); ++k) {
         EXPECT_LT(levels[k].error.max, 1.3 * levels[k].radius);
         EXPECT_LE(levels[k].error.rms, levels[k].error.max);

@@ -1,0 +1,45 @@
+#include "common/scene/lod_tree.h"
+
+#include <cmath>
+
+namespace lodestream::scene {
+
+namespace {
+
+Error wrong(std::size_t node, const std::string& what) {
+    return invalid_input("node " + std::to_string(node) + " " + what);
+}
+
+bool holds(const Box& outer, const Box& inner) {
+    return inner.empty() ||
+           (glm::all(glm::lessThanEqual(outer.min, inner.min)) && glm::all(glm::lessThanEqual(inner.max, outer.max)));
+}
+
+}  // namespace
+
+Status validate(std::span<const LodNode> tree) {
+    if (tree.empty()) return invalid_input("a tree of levels has no node");
+    if (tree.front().parent != none) return wrong(0, "is the root and has a parent");
+    std::uint64_t triangles = 0;
+    std::size_t next = 1;  // children follow each other in the order of their parents
+    for (std::size_t i = 0; i < tree.size(); ++i) {
+        const LodNode& node = tree[i];
+        if (!node.box.empty() && !(all_finite(node.box.min) && all_finite(node.box.max)))
+            return wrong(i, "has a box that is not finite");
+        if (!std::isfinite(node.error) || node.error < 0) return wrong(i, "has an error that is no distance");
+        if (node.triangles > max_tree_triangles - triangles) return wrong(i, "has more triangles than can be counted");
+        triangles += node.triangles;
+        if (node.child_count == 0) continue;
+        if (node.first_child != next || node.first_child <= i || node.child_count > tree.size() - next)
+            return wrong(i, "has children out of place");
+        for (const std::size_t end = next + node.child_count; next < end; ++next) {
+            if (tree[next].parent != i) return wrong(next, "does not name its parent");
+            if (tree[next].error > node.error) return wrong(next, "has a larger error than its parent");
+            if (!holds(node.box, tree[next].box)) return wrong(next, "lies outside of its parent's box");
+        }
+    }
+    if (next != tree.size()) return wrong(next, "is no one's child");
+    return Nothing{};
+}
+
+}  // namespace lodestream::scene

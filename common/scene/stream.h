@@ -1,0 +1,50 @@
+// What is drawn, fetched and dropped while the levels that a view selects are still on their way.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "common/scene/lod_tree.h"
+#include "common/scene/view.h"
+
+namespace lodestream::scene {
+
+// What a client holds of a tree. A node is never held without its parent, so what is missing is covered by the nearest
+// node above that is there.
+struct Residency {
+    std::vector<std::uint64_t> bytes;      // of each node
+    std::vector<std::uint64_t> last_used;  // of each node: the frame in which it was last wanted; 0: it is not here
+    std::uint64_t frame = 0;
+    std::uint64_t held_bytes = 0;
+
+    explicit Residency(std::vector<std::uint64_t> bytes_of_nodes)
+        : bytes(std::move(bytes_of_nodes)), last_used(bytes.size(), 0) {}
+    bool has(std::uint32_t node) const { return last_used[node] > 0; }
+};
+
+struct StreamOptions {
+    double tolerance_px = 1.0;             // nodes with no larger error on the screen are not refined
+    std::uint64_t max_bytes = 512u << 20;  // held at once, what is being fetched included
+    std::size_t max_requests = 8;          // in flight at once
+};
+
+struct StreamStep {
+    std::vector<std::uint32_t> drawn;     // a cut of nodes that are here; empty only while the root is not
+    std::vector<std::uint32_t> requests;  // to be in flight from now on, most urgent first; cancel all others
+    std::vector<std::uint32_t> dropped;   // no longer held from now on
+    bool bounded = false;                 // the memory held back what the tolerance asks for
+};
+
+// One frame. Wanted is what the view refines, largest error on the screen first, as far as it fits into the memory with
+// all nodes above it; the rest makes room, least recently wanted first, where a request needs it. Parents are requested
+// before their children. All that is drawn is wanted, so there is always room for what is wanted: it never stalls. A
+// root larger than the memory is held alone. pre: validate(tree), validate(view), a byte count for each node
+StreamStep step(std::span<const LodNode> tree, Residency& residency, const View& view, const StreamOptions& options);
+
+// Notes that a requested node is here. A node that is not asked for any more may come too, unless its parent is gone or
+// there is no room: then false, and it is not kept.
+bool arrive(std::span<const LodNode> tree, Residency& residency, std::uint32_t node, const StreamOptions& options);
+
+}  // namespace lodestream::scene
