@@ -63,7 +63,8 @@ Result<proto::PlanRequest> make_request(sdk::Client& client, const ViewArguments
     if (!shading) return shading.error();
     request->asset = arguments.asset;
     request->shading = *shading;
-    if (arguments.profile) request->profile = *arguments.profile == "lean" ? proto::Profile::lean : proto::Profile::plain;
+    if (arguments.profile)
+        request->profile = *arguments.profile == "lean" ? proto::Profile::lean : proto::Profile::plain;
     budget::Display display = request->budget.display.value_or(shading::default_display);
     display.width = arguments.width.value_or(display.width);
     display.height = arguments.height.value_or(display.height);

@@ -12,7 +12,7 @@ namespace {
 
 using Triangles = std::vector<mesh::Triangle>;
 
-constexpr std::size_t max_compared_faces = 64;  // at one position; beyond, all corners there take the whole average
+constexpr std::size_t max_compared_faces = 64;      // at one position; beyond, all corners there take the whole average
 constexpr std::uint32_t steps_between_bytes = 258;  // of a packed normal's coordinate: 16 bits to 8
 
 // Numbers of seven bits a byte, the lowest first; the top bit says that more follow.
@@ -25,7 +25,8 @@ void put_normal(std::vector<std::byte>& bytes, const Vec3f& normal) {
     const std::uint32_t packed = pack_normal(normal);
     for (const std::uint32_t half : {packed & 0xffffu, packed >> 16}) {
         const double coordinate = static_cast<std::int16_t>(half);
-        bytes.push_back(static_cast<std::byte>(static_cast<std::int8_t>(std::lround(coordinate / steps_between_bytes))));
+        bytes.push_back(
+            static_cast<std::byte>(static_cast<std::int8_t>(std::lround(coordinate / steps_between_bytes))));
     }
 }
 

@@ -464,7 +464,8 @@ std::vector<Vec3f> decoded_positions(const DracoMesh& mesh) {
 std::vector<std::byte> lean_shading(const Part& part, const Channel& normal, const DracoMesh& decoded) {
     if (part.gouraud == 0) return {};
     const auto wanted_normal = [&](std::uint32_t corner) {
-        const float* n = &normal.values[3 * std::size_t{normal.value_of_vertex[part.triangles[corner / 3][corner % 3]]}];
+        const float* n =
+            &normal.values[3 * std::size_t{normal.value_of_vertex[part.triangles[corner / 3][corner % 3]]}];
         return Vec3f(n[0], n[1], n[2]);
     };
     const std::vector<std::uint32_t> sources = source_corners(part.triangles, part.channels, decoded);

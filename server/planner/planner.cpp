@@ -241,7 +241,8 @@ Result<proto::PlanResponse> Planner::Impl::plan_level(const proto::PlanRequest& 
     proto::PlanResponse response;
     const Placement placement = place(request, loaded.world_bounds, budget.dlr);
     const SplitRequest split{request.shading, placement.distance, placement.view};
-    if (Status added = add_content(response, asset, loaded, {budget.triangles, split, textures, request.profile}); !added)
+    if (Status added = add_content(response, asset, loaded, {budget.triangles, split, textures, request.profile});
+        !added)
         return added.error();
     fill_budget(response, budget);
     response.shading.distance = placement.distance;

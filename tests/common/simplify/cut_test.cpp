@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "common/simplify/history.h"
 #include "common/base/packed_normal.h"
+#include "common/simplify/history.h"
 #include "tests/common/simplify/shapes.h"
 
 namespace lodestream::simplify {
