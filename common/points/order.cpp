@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "common/base/z_order.h"
+
 namespace lodestream::points {
 
 namespace {
@@ -28,15 +30,6 @@ struct Source {
     double unit = 1.0;
 };
 
-// The lowest 21 bits, two zeros after each.
-std::uint64_t spread(std::uint64_t x) {
-    x = (x | x << 32) & 0x1f00000000ffffull;
-    x = (x | x << 16) & 0x1f0000ff0000ffull;
-    x = (x | x << 8) & 0x100f00f00f00f00full;
-    x = (x | x << 4) & 0x10c30c30c30c30c3ull;
-    return (x | x << 2) & 0x1249249249249249ull;
-}
-
 Cell smallest_cell(const Vec3f& place) {
     constexpr double cells = 1u << max_octaves;
     const auto along = [](float x) { return static_cast<std::uint32_t>(std::clamp(x * cells, 0.0, cells - 1.0)); };
@@ -50,7 +43,7 @@ Cell cell_at(const Cell& smallest, int octave) {
 }
 
 std::uint64_t z_order(const Cell& cell) {
-    return spread(cell[0]) | spread(cell[1]) << 1 | spread(cell[2]) << 2;
+    return lodestream::z_order(cell[0], cell[1], cell[2]);
 }
 
 Source source_of(const PointCloud& cloud) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/base/z_order.h"
 #include "common/mesh/operations.h"
 #include "common/simplify/sheet_mesh.h"
 
@@ -14,19 +15,10 @@ namespace {
 // Areas of the largest triangles must stay well inside single precision.
 constexpr int max_extent_exponent = 54;
 
-// Bits 0, 3, 6, … of the result are the 21 bits of `v`.
-std::uint64_t spread_bits(std::uint64_t v) {
-    v = (v | v << 32) & 0x1f00000000ffffull;
-    v = (v | v << 16) & 0x1f0000ff0000ffull;
-    v = (v | v << 8) & 0x100f00f00f00f00full;
-    v = (v | v << 4) & 0x10c30c30c30c30c3ull;
-    return (v | v << 2) & 0x1249249249249249ull;
-}
-
 // Place along a Morton curve of a point of the unit cube.
 std::uint64_t morton_code(const Vec3d& p) {
     const auto cell = [](double x) { return static_cast<std::uint64_t>(std::clamp(x, 0.0, 1.0) * 0x1fffff); };
-    return spread_bits(cell(p.x)) | spread_bits(cell(p.y)) << 1 | spread_bits(cell(p.z)) << 2;
+    return z_order(cell(p.x), cell(p.y), cell(p.z));
 }
 
 struct Place {
