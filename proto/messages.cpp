@@ -80,6 +80,17 @@ Level read_level(const Fields& fields) {
     return level;
 }
 
+Hierarchy read_hierarchy(const Fields& fields) {
+    Hierarchy hierarchy;
+    fields.require("tiles", hierarchy.tiles);
+    fields.read("depth", hierarchy.depth);
+    fields.read("triangles", hierarchy.triangles);
+    fields.read("bytes", hierarchy.bytes);
+    fields.read("max_error", hierarchy.max_error);
+    fields.read("bake_ms", hierarchy.bake_ms);
+    return hierarchy;
+}
+
 Asset read_asset(const Fields& fields) {
     Asset asset;
     fields.require("id", asset.id);
@@ -97,6 +108,7 @@ Asset read_asset(const Fields& fields) {
     fields.read("bounds_min", asset.bounds_min);
     fields.read("bounds_max", asset.bounds_max);
     for (const Fields& level : fields.objects("levels")) asset.levels.push_back(read_level(level));
+    if (const auto hierarchy = fields.object("hierarchy")) asset.hierarchy = read_hierarchy(*hierarchy);
     fields.read("warnings", asset.warnings);
     return asset;
 }

@@ -35,6 +35,16 @@ struct Level {
     std::string url;  // /v1/content/….glb
 };
 
+// The tiles of a scene of several objects, as its tileset lists them.
+struct Hierarchy {
+    std::uint64_t tiles = 0;
+    std::uint64_t depth = 0;      // tiles from the root to the farthest leaf
+    std::uint64_t triangles = 0;  // of all tiles together
+    std::uint64_t bytes = 0;
+    double max_error = 0.0;  // of the root: model units, at most
+    double bake_ms = 0.0;    // of the asset's
+};
+
 struct Asset {
     std::string id;
     std::string name;
@@ -49,6 +59,7 @@ struct Asset {
     std::optional<std::array<double, 3>> bounds_min;  // of the full model: world axes, model units, y up
     std::optional<std::array<double, 3>> bounds_max;
     std::vector<Level> levels;
+    std::optional<Hierarchy> hierarchy;  // none where the asset is one object
     std::vector<std::string> warnings;
 };
 

@@ -35,6 +35,11 @@ Object object_of(const Level& level) {
             {"url", level.url}};
 }
 
+Object object_of(const Hierarchy& hierarchy) {
+    return {{"tiles", hierarchy.tiles}, {"depth", hierarchy.depth},         {"triangles", hierarchy.triangles},
+            {"bytes", hierarchy.bytes}, {"max_error", hierarchy.max_error}, {"bake_ms", hierarchy.bake_ms}};
+}
+
 Object object_of(const Asset& asset) {
     Object levels = Object::array();
     for (const Level& level : asset.levels) levels.push_back(object_of(level));
@@ -51,6 +56,7 @@ Object object_of(const Asset& asset) {
     if (asset.bounds_min) object["bounds_min"] = *asset.bounds_min;
     if (asset.bounds_max) object["bounds_max"] = *asset.bounds_max;
     object["levels"] = std::move(levels);
+    if (asset.hierarchy) object["hierarchy"] = object_of(*asset.hierarchy);
     object["warnings"] = asset.warnings;
     return object;
 }

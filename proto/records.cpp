@@ -19,6 +19,7 @@ std::string bake_record(const Asset& asset) {
     Object record{{"asset", asset.name}};
     for (const char* field : {"kind", "triangles", "vertices", "bake_ms", "peak_memory_bytes", "levels", "warnings"})
         record[field] = whole.at(field);
+    if (asset.hierarchy) record["hierarchy"] = whole.at("hierarchy");
     return print(record);
 }
 

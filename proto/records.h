@@ -8,7 +8,8 @@
 
 namespace lodestream::proto {
 
-// One object a baked input: {"asset","kind","triangles","vertices","bake_ms","peak_memory_bytes","levels","warnings"}.
+// One object a baked input: {"asset","kind","triangles","vertices","bake_ms","peak_memory_bytes","levels","warnings"},
+// and of a scene its "hierarchy".
 std::string bake_record(const Asset& asset);
 
 struct CutRecord {

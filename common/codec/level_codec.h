@@ -39,6 +39,11 @@ inline constexpr double finest_steps_per_edge = 64.0;
 // one asset that are given the same `bounds` differ in `bits` alone. Where neither length is positive: the most bits.
 QuantizationGrid choose_grid(const Box& bounds, double error, double mean_edge_length);
 
+// A window around `bounds` of the one lattice whose points are whole multiples of a power of two, the greatest that is
+// not above choose_grid()'s step. Windows of one step decode a position that they share to the same bits, and a small
+// part of a large scene needs no more bits for being far from its middle.
+QuantizationGrid choose_window(const Box& bounds, double error, double mean_edge_length);
+
 // An image to be sent in place of one of the model's.
 struct SmallerImage {
     const mesh::Image* image = nullptr;     // null: the model's own

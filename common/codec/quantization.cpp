@@ -11,6 +11,10 @@ namespace {
 constexpr float min_range = 1e-31f;
 constexpr float max_range = std::numeric_limits<float>::max();
 
+// A coordinate is at most two to this many times its lattice's step.
+constexpr int lattice_bits = 22;
+constexpr double max_window_coordinate = std::numeric_limits<float>::max() / 256.0;
+
 float float_at_most(double x) {
     const float rounded = static_cast<float>(std::clamp<double>(x, -max_range, max_range));
     return rounded > x ? std::nextafter(rounded, -max_range) : rounded;
@@ -18,6 +22,10 @@ float float_at_most(double x) {
 
 float float_at_least(double x) {
     return -float_at_most(-x);
+}
+
+double largest(const Vec3d& v) {
+    return std::max({v.x, v.y, v.z});
 }
 
 bool positive(double x) {
@@ -50,6 +58,29 @@ QuantizationGrid choose_grid(const Box& bounds, double error, double mean_edge_l
     if (steps < std::ldexp(1.0, max_position_bits))
         grid.bits =
             std::clamp(static_cast<int>(std::ceil(std::log2(steps + 1.0))), min_position_bits, max_position_bits);
+    return grid;
+}
+
+QuantizationGrid choose_window(const Box& bounds, double error, double mean_edge_length) {
+    const QuantizationGrid free = choose_grid(bounds, error, mean_edge_length);
+    if (bounds.empty() || !all_finite(bounds.min) || !all_finite(bounds.max)) return free;
+    const double farthest = largest(glm::max(glm::abs(bounds.min), glm::abs(bounds.max)));
+    const double size = std::max<double>(largest(bounds.extent()), min_range);
+    if (farthest > max_window_coordinate) return free;
+
+    const double step = wanted_step(error, mean_edge_length);
+    int exponent = positive(step) ? std::ilogb(std::min(step, size)) : std::numeric_limits<int>::min();
+    // Single precision holds every multiple within the window, and the most bits reach across it.
+    exponent = std::max({exponent, std::ilogb(std::max<double>(farthest, min_range)) - lattice_bits,
+                         std::ilogb(size) - max_position_bits + 2});
+
+    QuantizationGrid grid;
+    const double lattice_step = std::ldexp(1.0, exponent);
+    const Vec3d origin = glm::floor(bounds.min / lattice_step) * lattice_step;
+    const double steps = std::ceil(largest((bounds.max - origin) / lattice_step));
+    grid.origin = Vec3f(origin);
+    grid.bits = std::clamp(static_cast<int>(std::ceil(std::log2(steps + 1.0))), min_position_bits, max_position_bits);
+    grid.range = static_cast<float>(lattice_step * (std::ldexp(1.0, grid.bits) - 1.0));
     return grid;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct Mesh {
     std::vector<Rgba8> colors;                      // linear RGBA
     std::vector<Triangle> triangles;                // indices < positions.size(), three different positions each
     std::vector<std::uint32_t> triangle_materials;  // into Model::materials, one a triangle; empty: all are material 0
+    std::vector<std::uint32_t> triangle_objects;    // into Model::graph's objects, one a triangle; empty: one object
 };
 
 inline std::uint32_t material_of(const Mesh& mesh, std::size_t triangle) {
@@ -71,6 +73,13 @@ struct Image {
 enum class Kind { mesh, scene, terrain, points };
 const char* kind_name(Kind kind);  // "mesh", "scene", "terrain", "points"
 
+// The source's scene graph, whose transforms are already applied. A mesh that several nodes show is several objects.
+struct SceneGraph {
+    std::vector<std::uint32_t> parents;       // of each node: a node before it, or no_parent
+    std::vector<std::uint32_t> object_nodes;  // of each object: its node; empty where the mesh is one object
+};
+inline constexpr std::uint32_t no_parent = std::numeric_limits<std::uint32_t>::max();
+
 // One imported asset: world-space geometry (node transforms applied) and what it needs to be drawn.
 struct Model {
     Mesh mesh;
@@ -78,7 +87,8 @@ struct Model {
     std::vector<Image> images;
     Vec3d origin{0.0};  // world position of the mesh's (0,0,0); keeps float positions exact far from the world's origin
     Kind kind = Kind::mesh;
-    std::uint32_t objects = 1;  // mesh instances in the source's scene graph
+    SceneGraph graph;
+    std::uint32_t objects = 1;  // those of the graph that have triangles
 };
 
 }  // namespace lodestream::mesh

@@ -213,8 +213,60 @@ Mesh compact(const Mesh& mesh) {
         }
         out.triangles.push_back(triangle);
         if (!mesh.triangle_materials.empty()) out.triangle_materials.push_back(mesh.triangle_materials[t]);
+        if (!mesh.triangle_objects.empty()) out.triangle_objects.push_back(mesh.triangle_objects[t]);
     }
     return out;
+}
+
+Mesh part(const Mesh& mesh, std::span<const std::uint32_t> triangles) {
+    Mesh out;
+    std::vector<std::uint32_t> used;
+    used.reserve(3 * triangles.size());
+    for (const std::uint32_t t : triangles) used.insert(used.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    for (const std::uint32_t v : used) append_vertex(out, mesh, v);
+    const auto place = [&](std::uint32_t v) {
+        return static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin());
+    };
+    for (const std::uint32_t t : triangles) {
+        const auto [a, b, c] = mesh.triangles[t];
+        out.triangles.push_back({place(a), place(b), place(c)});
+        if (!mesh.triangle_materials.empty()) out.triangle_materials.push_back(mesh.triangle_materials[t]);
+        if (!mesh.triangle_objects.empty()) out.triangle_objects.push_back(mesh.triangle_objects[t]);
+    }
+    return out;
+}
+
+std::vector<std::uint32_t> distinct_triangles(const Mesh& mesh) {
+    const std::vector<std::uint32_t> position = weld_positions(mesh.positions);
+    const auto corners = [&](std::uint32_t t) {
+        Triangle at;
+        for (std::size_t k = 0; k < 3; ++k) at[k] = position[mesh.triangles[t][k]];
+        std::rotate(at.begin(), std::min_element(at.begin(), at.end()), at.end());
+        return at;
+    };
+    IndexTable table(mesh.triangles.size());
+    std::vector<std::uint32_t> distinct;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Triangle at = corners(t);
+        const std::uint64_t hash = mix(mix(mix(at[0] + 1ull) ^ at[1]) ^ at[2]);
+        if (table.find_or_add(hash, t, [&](std::uint32_t other) { return corners(other) == at; }) == t)
+            distinct.push_back(t);
+    }
+    return distinct;
+}
+
+void append(Mesh& to, const Mesh& from) {
+    const auto first = static_cast<std::uint32_t>(to.positions.size());
+    const auto join = [](auto& all, const auto& more) { all.insert(all.end(), more.begin(), more.end()); };
+    join(to.positions, from.positions);
+    join(to.normals, from.normals);
+    join(to.texture_coordinates, from.texture_coordinates);
+    join(to.colors, from.colors);
+    join(to.triangle_materials, from.triangle_materials);
+    join(to.triangle_objects, from.triangle_objects);
+    for (const auto& [a, b, c] : from.triangles) to.triangles.push_back({first + a, first + b, first + c});
 }
 
 Mesh with_normals(const Mesh& mesh, double crease_degrees) {
@@ -237,6 +289,7 @@ Mesh with_normals(const Mesh& mesh, double crease_degrees) {
 
     Mesh soup;
     soup.triangle_materials = mesh.triangle_materials;
+    soup.triangle_objects = mesh.triangle_objects;
     soup.triangles.reserve(mesh.triangles.size());
     Mesh bare = mesh;
     bare.normals.clear();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/mesh/mesh.h"
@@ -17,6 +18,15 @@ std::vector<std::uint32_t> weld_positions(const std::vector<Vec3f>& positions);
 // Merges vertices that agree in every attribute and material, drops vertices without a triangle and triangles of fewer
 // than three positions, and keeps the order of first use. Deterministic.
 Mesh compact(const Mesh& mesh);
+
+// These triangles of a mesh with the vertices that they use, in the order given. pre: triangles < mesh.triangles.size()
+Mesh part(const Mesh& mesh, std::span<const std::uint32_t> triangles);
+
+// Puts `from` behind `to`; vertices are not merged. pre: both have the same attributes, or `to` is empty
+void append(Mesh& to, const Mesh& from);
+
+// The triangles without those that lie exactly on an earlier one and face the same way, whatever their attributes.
+std::vector<std::uint32_t> distinct_triangles(const Mesh& mesh);
 
 // Gives the mesh unit normals: the average over the triangles around a position, weighted by corner angle, of those
 // whose own normals differ by at most `crease_degrees` from the corner's triangle. Sharper edges split their vertices.

@@ -79,19 +79,21 @@ std::vector<Vec3f> used_positions(const mesh::Mesh& mesh) {
 }  // namespace
 
 struct SurfaceIndex::Impl {
-    explicit Impl(const mesh::Mesh& mesh) : tree(mesh) {
-        samples.reserve(2 * default_samples);
-        add_vertex_samples(tree.triangles(), used_positions(mesh), default_samples, samples);
+    Impl(const mesh::Mesh& mesh, std::size_t samples_asked) : tree(mesh), asked(samples_asked) {
+        add_vertex_samples(tree.triangles(), used_positions(mesh), asked, samples);
         vertices = samples.size();
-        add_area_samples(tree.triangles(), default_samples, samples);
+        samples.reserve(vertices + asked);
+        add_area_samples(tree.triangles(), asked, samples);
     }
 
     TriangleTree tree;
+    std::size_t asked;
     std::vector<Vec3f> samples;
     std::size_t vertices = 0;  // the first of the samples
 };
 
-SurfaceIndex::SurfaceIndex(const mesh::Mesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {}
+SurfaceIndex::SurfaceIndex(const mesh::Mesh& mesh, std::size_t samples)
+    : impl_(std::make_unique<Impl>(mesh, samples)) {}
 SurfaceIndex::~SurfaceIndex() = default;
 SurfaceIndex::SurfaceIndex(SurfaceIndex&&) noexcept = default;
 SurfaceIndex& SurfaceIndex::operator=(SurfaceIndex&&) noexcept = default;
@@ -103,6 +105,17 @@ double SurfaceIndex::distance(const Vec3d& point, double hint) const {
 
 const std::vector<Vec3f>& SurfaceIndex::samples() const {
     return impl_->samples;
+}
+
+void SurfaceIndex::keep_samples(const std::function<bool(const Vec3f&)>& keep) {
+    std::vector<Vec3f> kept;
+    std::size_t kept_vertices = 0;
+    for (std::size_t i = 0; i < impl_->samples.size(); ++i) {
+        if (i == impl_->vertices) kept_vertices = kept.size();
+        if (keep(impl_->samples[i])) kept.push_back(impl_->samples[i]);
+    }
+    impl_->vertices = impl_->vertices < impl_->samples.size() ? kept_vertices : kept.size();
+    impl_->samples = std::move(kept);
 }
 
 namespace {
@@ -135,7 +148,7 @@ SurfaceError measure(const SurfaceIndex& original, const mesh::Mesh& original_me
         const double diagonal = std::max(mesh::bounds(original_mesh).diagonal(), mesh::bounds(level).diagonal());
         return {diagonal, diagonal};
     }
-    const SurfaceIndex level_index(level);
+    const SurfaceIndex level_index(level, original.impl_->asked);
     const SurfaceError out = one_sided(original.impl_->samples, original.impl_->vertices, level_index);
     const SurfaceError back = one_sided(level_index.impl_->samples, level_index.impl_->vertices, original);
     return {std::max(out.rms, back.rms), std::max(out.max, back.max)};

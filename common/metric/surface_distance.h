@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -15,10 +16,13 @@ struct SurfaceError {
     double max = 0.0;  // model units; the larger of both sides
 };
 
+inline constexpr std::size_t default_samples = 100'000;  // on each side, beside a subset of the vertices
+
 // Answers nearest-point queries on a mesh's triangles. Immutable once built; queries may run from any thread.
 class SurfaceIndex {
   public:
-    explicit SurfaceIndex(const mesh::Mesh& mesh);  // copies what it needs
+    // Copies what it needs. `samples`: on each side of a measurement, beside as many vertices at most.
+    explicit SurfaceIndex(const mesh::Mesh& mesh, std::size_t samples = default_samples);
     ~SurfaceIndex();
     SurfaceIndex(SurfaceIndex&&) noexcept;
     SurfaceIndex& operator=(SurfaceIndex&&) noexcept;
@@ -29,14 +33,14 @@ class SurfaceIndex {
 
     // The points that measure() sends out from this surface: every vertex, then area-stratified samples. Fixed seed.
     const std::vector<Vec3f>& samples() const;
+    // Leaves out those that `keep` refuses, for a surface of which not all counts.
+    void keep_samples(const std::function<bool(const Vec3f&)>& keep);
 
   private:
     friend SurfaceError measure(const SurfaceIndex& original, const mesh::Mesh& original_mesh, const mesh::Mesh& level);
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
-
-inline constexpr std::size_t default_samples = 100'000;  // on each side, beside a subset of the vertices
 
 // Two-sided error of `level` against `original`. Both empty: 0. One empty: the other's bounding-box diagonal.
 SurfaceError measure(const SurfaceIndex& original, const mesh::Mesh& original_mesh, const mesh::Mesh& level);

@@ -55,7 +55,9 @@ TriangleTree::TriangleTree(const mesh::Mesh& mesh) {
     }
     if (!items.empty()) build(items);
     triangles_.reserve(items.size());
+    order_.reserve(items.size());
     for (const Item& item : items) {
+        order_.push_back(item.triangle);
         const mesh::Triangle& t = mesh.triangles[item.triangle];
         triangles_.push_back({mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]});
     }
@@ -94,8 +96,9 @@ double TriangleTree::squared_distance(const FloatBox& box, const Vec3d& point) {
     return squared(outside);
 }
 
-double TriangleTree::squared_distance(const Vec3d& point, double bound) const {
-    if (nodes_.empty()) return bound;
+TriangleTree::Hit TriangleTree::nearest(const Vec3d& point, double bound) const {
+    Hit hit{bound, no_triangle};
+    if (nodes_.empty()) return hit;
     struct Open {
         std::uint32_t node;
         double distance;
@@ -105,20 +108,22 @@ double TriangleTree::squared_distance(const Vec3d& point, double bound) const {
     open[depth++] = {0, squared_distance(nodes_[0].box, point)};
     while (depth > 0) {
         const Open next = open[--depth];
-        if (next.distance >= bound) continue;
+        if (next.distance >= hit.squared_distance) continue;
         const Node& node = nodes_[next.node];
         if (node.count > 0) {
-            for (std::uint32_t t = node.first; t < node.first + node.count; ++t)
-                bound = std::min(bound, metric::squared_distance(triangles_[t], point));
+            for (std::uint32_t t = node.first; t < node.first + node.count; ++t) {
+                const double distance = metric::squared_distance(triangles_[t], point);
+                if (distance < hit.squared_distance) hit = {distance, t};
+            }
             continue;
         }
         Open near{node.first, squared_distance(nodes_[node.first].box, point)};
         Open far{node.first + 1, squared_distance(nodes_[node.first + 1].box, point)};
         if (far.distance < near.distance) std::swap(near, far);
-        if (far.distance < bound) open[depth++] = far;
-        if (near.distance < bound) open[depth++] = near;
+        if (far.distance < hit.squared_distance) open[depth++] = far;
+        if (near.distance < hit.squared_distance) open[depth++] = near;
     }
-    return bound;
+    return hit;
 }
 
 }  // namespace lodestream::metric

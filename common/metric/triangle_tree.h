@@ -18,11 +18,21 @@ class TriangleTree {
 
     explicit TriangleTree(const mesh::Mesh& mesh);
 
+    struct Hit {
+        double squared_distance;
+        std::uint32_t triangle;  // of triangles(); no_triangle: none is nearer than the bound
+    };
+    static constexpr std::uint32_t no_triangle = 0xffffffffu;
+    // The nearest triangle, if it is nearer than `bound` (squared).
+    Hit nearest(const Vec3d& point, double bound) const;
+
     // Squared distance to the nearest triangle, or `bound` (squared) if none is nearer.
-    double squared_distance(const Vec3d& point, double bound) const;
+    double squared_distance(const Vec3d& point, double bound) const { return nearest(point, bound).squared_distance; }
 
     // The triangles in the order of the tree: neighbours in space are near in the list.
     const std::vector<Corners>& triangles() const { return triangles_; }
+    // Which triangle of the mesh each of them is.
+    const std::vector<std::uint32_t>& order() const { return order_; }
 
   private:
     struct FloatBox {
@@ -45,6 +55,7 @@ class TriangleTree {
 
     std::vector<Node> nodes_;
     std::vector<Corners> triangles_;
+    std::vector<std::uint32_t> order_;
 };
 
 // Squared distance from a point to a triangle, to its sides where it has no area.

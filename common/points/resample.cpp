@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "common/mesh/operations.h"
-#include "common/points/outside.h"
+#include "common/mesh/outside.h"
 #include "common/points/view.h"
 
 namespace lodestream::points {
@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::size_t triangles_in_run = 1u << 16;
 constexpr std::size_t samples_in_run = 1u << 16;
+constexpr double cells_along_extent = 128.0;  // that tell what is hidden inside
+constexpr double px_per_cell = 2.0;           // at least, so that a surface leaves no gap between its cells
 
 // The mesh's box in pixels: p = (position - low) * px_per_unit.
 struct Raster {
@@ -159,11 +161,17 @@ Samples sample_views(const mesh::Mesh& mesh, Hits hits, const Raster& raster, co
     return all;
 }
 
+double longest_side_px(const Raster& raster) {
+    return std::max({raster.extent_px.x, raster.extent_px.y, raster.extent_px.z});
+}
+
 std::vector<std::uint32_t> seen_from_outside(const Samples& all, const Raster& raster) {
-    const Outside outside(all.px, raster.extent_px, 1.0);
+    mesh::Outside outside(raster.extent_px, std::max(longest_side_px(raster) / cells_along_extent, px_per_cell));
+    for (const Vec3f& px : all.px) outside.mark(Vec3d(px));
+    outside.flood();
     std::vector<std::uint32_t> kept;
     for (std::uint32_t i = 0; i < all.samples.size() && kept.size() < max_points; ++i)
-        if (all.samples[i].is_outermost || outside.reaches(all.px[i])) kept.push_back(i);
+        if (all.samples[i].is_outermost || outside.reaches(Vec3d(all.px[i]))) kept.push_back(i);
     return kept;
 }
 

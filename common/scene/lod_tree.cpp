@@ -1,5 +1,6 @@
 #include "common/scene/lod_tree.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lodestream::scene {
@@ -16,6 +17,12 @@ bool holds(const Box& outer, const Box& inner) {
 }
 
 }  // namespace
+
+std::size_t depth(std::span<const LodNode> tree) {
+    std::vector<std::size_t> depths(tree.size(), 1);
+    for (std::size_t i = 1; i < tree.size(); ++i) depths[i] = depths[tree[i].parent] + 1;
+    return *std::max_element(depths.begin(), depths.end());
+}
 
 Status validate(std::span<const LodNode> tree) {
     if (tree.empty()) return invalid_input("a tree of levels has no node");

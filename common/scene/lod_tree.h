@@ -1,6 +1,7 @@
 // What a renderer chooses from: a tree of levels of detail, each node one level of everything below it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -26,6 +27,9 @@ inline constexpr std::uint64_t max_tree_triangles = std::uint64_t{1} << 60;  // 
 
 // The root first, children side by side and after their parent.
 using LodTree = std::vector<LodNode>;
+
+// Nodes from the root to the farthest leaf, both counted. pre: validate(tree)
+std::size_t depth(std::span<const LodNode> tree);
 
 // Whether a tree from outside keeps the laws above: places, order, finite numbers, errors and boxes that hold those of
 // the children. Never trusts.

@@ -5,8 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "common/mesh/nearest.h"
 #include "common/simplify/geometry.h"
-#include "common/simplify/nearest.h"
 
 namespace lodestream::simplify {
 
@@ -367,7 +367,7 @@ void Surface::set_nearest(const Merge& merge, std::uint32_t wedge, const Scratch
         std::find_if(s.partners.begin(), s.partners.end(), [&](const Wedges::Pair& pair) { return pair.to == wedge; });
     const std::uint32_t source = sheets_->from(merge.edge), target = sheets_->to(merge.edge);
     if (held_[source] && held_[target] && partner != s.partners.end()) {
-        const Vec3d weights = nearest_weights(at, point(source), point(target), point(target));
+        const Vec3d weights = mesh::nearest_weights(at, point(source), point(target), point(target));
         return wedges_.blend({partner->from, wedge, wedge}, weights, attributes);
     }
     double least = std::numeric_limits<double>::infinity();
@@ -377,7 +377,7 @@ void Surface::set_nearest(const Merge& merge, std::uint32_t wedge, const Scratch
         const mesh::Triangle& w = face_wedges_[face];
         const Vec3d a = point(position_of_wedge(w[0])), b = point(position_of_wedge(w[1])),
                     c = point(position_of_wedge(w[2]));
-        const Vec3d weights = nearest_weights(at, a, b, c);
+        const Vec3d weights = mesh::nearest_weights(at, a, b, c);
         const Vec3d off = weights.x * a + weights.y * b + weights.z * c - at;
         if (!(dot(off, off) < least)) return;
         least = dot(off, off);

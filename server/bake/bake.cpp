@@ -9,12 +9,14 @@
 #include <cstdlib>
 #include <exception>
 #include <mutex>
+#include <numeric>
 #include <optional>
 
 #include "common/codec/level_codec.h"
 #include "common/mesh/operations.h"
 #include "server/bake/executor.h"
 #include "server/bake/first_levels.h"
+#include "server/bake/hlod.h"
 #include "server/bake/points.h"
 #include "server/bake/source_model.h"
 #include "server/bake/stopwatch.h"
@@ -26,6 +28,7 @@ namespace lodestream::bake {
 namespace {
 
 // Shares of the progress bar.
+constexpr double tiled_share = 0.3;  // of a scene
 constexpr double recorded_share = 0.5;
 constexpr double measured_share = 0.8;
 
@@ -161,13 +164,38 @@ bool make_all(const std::vector<std::uint64_t>& counts, std::vector<Made>& made,
     return going;
 }
 
+// The tiles of a scene, and what the asset tells of them.
+Status make_hierarchy(store::Store& store, proto::Asset& asset, const mesh::Model& model,
+                      const texture::Textures& textures, Progress& progress) {
+    const Stopwatch watch;
+    const Result<TileTree> tree =
+        make_tiles(store, asset.id, model, textures, [&](double share) { return progress(share * tiled_share); });
+    if (!tree) return tree.error();
+    proto::Hierarchy& hierarchy = asset.hierarchy.emplace();
+    hierarchy.tiles = tree->nodes.size();
+    hierarchy.depth = depth(tree->nodes);
+    for (const scene::LodNode& node : tree->nodes) hierarchy.triangles += node.triangles;
+    hierarchy.bytes = std::accumulate(tree->bytes.begin(), tree->bytes.end(), std::uint64_t{0});
+    hierarchy.max_error = tree->nodes.front().error;
+    hierarchy.bake_ms = watch.ms();
+    return Nothing{};
+}
+
 // Everything of a bake that can fail; the caller turns a failure into the asset's status.
 Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::Model model, Progress& progress) {
     const Error ended = fail(ErrorCode::unavailable, "the bake was ended");  // Progress knows why
     const Stopwatch watch;
     if (!progress(0.0)) return ended;
+    Result<texture::Ladder> ladder = load_textures(store, asset.id, model.images.size());
+    if (!ladder) return ladder.error();
+    const texture::Textures textures =
+        texture::textures_of(*std::move(ladder), texture::image_uses(model), texture::texel_sizes(model));
+    if (model.objects > 1)
+        if (Status made = make_hierarchy(store, asset, model, textures, progress); !made) return made.error();
+
+    const double begun = model.objects > 1 ? tiled_share : 0.0;
     simplify::RecordOptions recording;
-    recording.progress = [&](double share) { return progress(share * recorded_share); };
+    recording.progress = [&](double share) { return progress(std::lerp(begun, recorded_share, share)); };
     recording.executor = all_cores();
     BakedModel baked = describe_model(model);
     Result<simplify::History> history = simplify::record_history(std::move(model.mesh), recording);
@@ -175,9 +203,6 @@ Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::
     model = {};
     set_history(baked, std::move(*history));
     const mesh::Mesh source = simplify::cut(baked.history, simplify::triangle_count(simplify::view(baked.history)));
-    Result<texture::Ladder> ladder = load_textures(store, asset.id, baked.model.images.size());
-    if (!ladder) return ladder.error();
-    const texture::Textures textures = texture::textures_of(*std::move(ladder), baked.image_uses, baked.texel_sizes);
     if (!progress(recorded_share)) return ended;
 
     const metric::SurfaceIndex original(source);

@@ -29,7 +29,8 @@ std::string megabytes(std::uint64_t bytes) {
 std::uint64_t memory_bytes(const mesh::Model& model) {
     const mesh::Mesh& mesh = model.mesh;
     std::uint64_t bytes = bytes_of(mesh.positions) + bytes_of(mesh.normals) + bytes_of(mesh.texture_coordinates) +
-                          bytes_of(mesh.colors) + bytes_of(mesh.triangles) + bytes_of(mesh.triangle_materials);
+                          bytes_of(mesh.colors) + bytes_of(mesh.triangles) + bytes_of(mesh.triangle_materials) +
+                          bytes_of(mesh.triangle_objects);
     for (const mesh::Image& image : model.images) bytes += image.bytes.size();
     return bytes;
 }

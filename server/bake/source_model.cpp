@@ -1,4 +1,4 @@
-// The stored form of an imported model: magic "LODMODL1", then the fields below in order, as stored_form.h says.
+// The stored form of an imported model: magic "LODMODL2", then the fields below in order, as stored_form.h says.
 #include "server/bake/source_model.h"
 
 #include <algorithm>
@@ -9,7 +9,7 @@ namespace lodestream::bake {
 
 namespace {
 
-constexpr char magic[] = "LODMODL1";
+constexpr char magic[] = "LODMODL2";
 constexpr std::size_t magic_bytes = sizeof(magic) - 1;
 
 template <class Stream, class Model>
@@ -26,11 +26,24 @@ void describe_model(Stream& stream, Model& model) {
     stream(mesh.colors);
     stream(mesh.triangles);
     stream(mesh.triangle_materials);
+    stream(mesh.triangle_objects);
+    stream(model.graph.parents);
+    stream(model.graph.object_nodes);
 }
 
 template <class T>
 bool is_empty_or(const std::vector<T>& values, std::size_t size) {
     return values.empty() || values.size() == size;
+}
+
+bool all_below(const std::vector<std::uint32_t>& values, std::size_t size) {
+    return std::all_of(values.begin(), values.end(), [&](std::uint32_t value) { return value < size; });
+}
+
+bool is_sound(const mesh::SceneGraph& graph) {
+    for (std::size_t node = 0; node < graph.parents.size(); ++node)
+        if (graph.parents[node] >= node && graph.parents[node] != mesh::no_parent) return false;
+    return all_below(graph.object_nodes, graph.parents.size());
 }
 
 bool is_sound(const mesh::Model& model) {
@@ -43,8 +56,9 @@ bool is_sound(const mesh::Model& model) {
            std::all_of(mesh.positions.begin(), mesh.positions.end(), finite) &&
            std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
                        [&](const mesh::Triangle& t) { return *std::max_element(t.begin(), t.end()) < vertices; }) &&
-           std::all_of(mesh.triangle_materials.begin(), mesh.triangle_materials.end(),
-                       [&](std::uint32_t m) { return m < model.materials.size(); });
+           is_empty_or(mesh.triangle_objects, mesh.triangles.size()) && is_sound(model.graph) &&
+           all_below(mesh.triangle_objects, model.graph.object_nodes.size()) &&
+           all_below(mesh.triangle_materials, model.materials.size());
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "server/bake/bake.h"
 #include "server/bake/points.h"
 #include "server/bake/stopwatch.h"
+#include "server/bake/tile_tree.h"
 #include "server/cli/asset_folder.h"
 #include "server/cli/files.h"
 #include "server/cli/progress_bar.h"
@@ -248,21 +249,23 @@ Status tileset(const TilesetArguments& arguments) {
     if (!store) return store.error();
     Result<proto::Asset> asset = store->asset(arguments.asset);
     if (!asset) return asset.error();
-    if (!http::has_tileset(*asset)) return fail(ErrorCode::unavailable, "asset '" + asset->name + "' is not ready");
-
-    for (std::size_t i = 0; i < asset->levels.size(); ++i) {
-        proto::Level& level = asset->levels[i];
-        Result<store::Store::Content> content = store->content(asset->id, bake::ladder_key(level.triangles));
+    Result<bake::TileTree> tiles = bake::load_tiles(*store, *asset);
+    if (!tiles) return tiles.error();
+    const auto uri = [](std::size_t tile) { return "tile-" + std::to_string(tile) + ".glb"; };
+    std::uint64_t bytes = 0;
+    for (std::size_t i = 0; i < tiles->nodes.size(); ++i) {
+        Result<store::StoredFile> file = store->file(tiles->hashes[i], "glb");
+        if (!file) return file.error();
+        Result<std::vector<std::byte>> content = store::read_file(file->path, file->bytes);
         if (!content) return content.error();
-        Result<std::vector<std::byte>> bytes = store::read_file(content->file.path, content->file.bytes);
-        if (!bytes) return bytes.error();
-        level.url = "level-" + std::to_string(i) + ".glb";
-        if (Status written = write_file(arguments.out / level.url, *bytes); !written) return written.error();
+        if (Status written = write_file(arguments.out / uri(i), *content); !written) return written.error();
+        bytes += content->size();
     }
-    const std::string json = http::tileset_json(*asset);
+    const std::string json = http::tileset_json(tiles->nodes, uri);
     if (Status written = write_file(arguments.out / "tileset.json", std::as_bytes(std::span(json))); !written)
         return written.error();
-    std::printf("%s: %zu levels\n", (arguments.out / "tileset.json").c_str(), asset->levels.size());
+    std::printf("%s: %zu tiles, %llu bytes\n", (arguments.out / "tileset.json").c_str(), tiles->nodes.size(),
+                static_cast<unsigned long long>(bytes));
     return Nothing{};
 }
 

@@ -8,6 +8,8 @@
 #include <set>
 
 #include "proto/openapi.h"
+#include "server/bake/bake.h"
+#include "server/bake/tile_tree.h"
 #include "server/http/byte_range.h"
 #include "server/http/metrics.h"
 #include "server/http/page.h"
@@ -369,12 +371,10 @@ Response Service::Impl::delete_asset(Request&, const std::string& id) {
 Response Service::Impl::tileset(Request&, const std::string& id) {
     const auto asset = store.asset(id);
     if (!asset) return respond(asset.error());
-    if (has_tileset(*asset)) return respond(json_type, tileset_json(*asset));
-    if (asset->status == proto::AssetStatus::baking)
-        return respond(fail(ErrorCode::unavailable, "\"" + asset->name + "\" is still baking"));
-    const bool failed = asset->status == proto::AssetStatus::failed;
-    return respond(fail(ErrorCode::conflict, "\"" + asset->name + "\" has no tileset: " +
-                                                 (failed ? asset->error : "it has no bounds or levels")));
+    const auto tiles = bake::load_tiles(store, *asset);
+    if (!tiles) return respond(tiles.error());
+    const auto uri = [&](std::size_t tile) { return bake::content_url(tiles->hashes[tile]); };
+    return respond(json_type, tileset_json(tiles->nodes, uri));
 }
 
 Response Service::Impl::create_plan(Request& request, const std::string&) {

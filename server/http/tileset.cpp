@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <vector>
 
 namespace lodestream::http {
 
@@ -31,54 +32,49 @@ std::string quoted(const std::string& text) {
     return result + '"';
 }
 
-struct Extent {
-    std::array<double, 3> center{};
-    std::array<double, 3> half{};
-    double diagonal = 0.0;
-};
-
-Extent extent_of(const proto::Asset& asset) {
-    Extent extent;
-    const auto& low = *asset.bounds_min;
-    const auto& high = *asset.bounds_max;
-    for (std::size_t i = 0; i < 3; ++i) {
-        extent.half[i] = high[i] / 2.0 - low[i] / 2.0;
-        extent.center[i] = low[i] + extent.half[i];
-    }
-    extent.diagonal = 2.0 * std::hypot(extent.half[0], extent.half[1], extent.half[2]);
-    return extent;
+// Centre and half axes, turned from y up to z up.
+std::string box_json(const Box& box) {
+    const Vec3d half = box.max / 2.0 - box.min / 2.0, center = box.min + half;
+    const std::array<double, 12> numbers{center.x, -center.z, center.y, half.x, 0.0, 0.0,
+                                         0.0,      half.z,    0.0,      0.0,    0.0, half.y};
+    std::string text = "{\"box\":[";
+    for (std::size_t i = 0; i < numbers.size(); ++i) text += (i > 0 ? "," : "") + number(numbers[i] + 0.0);
+    return text + "]}";
 }
 
-// Centre and half axes, turned from y up to z up.
-std::string box_json(const Extent& extent) {
-    const auto& [x, y, z] = extent.center;
-    const auto& [hx, hy, hz] = extent.half;
-    const std::array<double, 12> box{x, -z, y, hx, 0.0, 0.0, 0.0, hz, 0.0, 0.0, 0.0, hy};
-    std::string text = "{\"box\":[";
-    for (std::size_t i = 0; i < box.size(); ++i) text += (i ? "," : "") + number(box[i] + 0.0);
-    return text + "]}";
+// All of a tile but its children and what closes it.
+std::string opened_tile(const scene::LodNode& tile, const std::string& uri) {
+    return "{\"boundingVolume\":" + box_json(tile.box) + ",\"geometricError\":" + number(tile.error) +
+           ",\"content\":{\"uri\":" + quoted(uri) + "}";
+}
+
+double root_error(const scene::LodNode& root) {
+    const Vec3d half = root.box.max / 2.0 - root.box.min / 2.0;
+    return std::max(2.0 * std::hypot(half.x, half.y, half.z), root_error_factor * root.error);
 }
 
 }  // namespace
 
-bool has_tileset(const proto::Asset& asset) {
-    return asset.status == proto::AssetStatus::ready && !asset.levels.empty() && asset.bounds_min && asset.bounds_max;
-}
-
-std::string tileset_json(const proto::Asset& asset) {
-    assert(has_tileset(asset));
-    const Extent extent = extent_of(asset);
-    const std::string volume = box_json(extent);
-    std::string tile;
-    double error = 0.0;  // never falls on the way up, as the standard wants it
-    for (const proto::Level& level : asset.levels) {
-        error = std::max(error, level.max_error);
-        tile = "{\"boundingVolume\":" + volume + ",\"geometricError\":" + number(error) + ",\"refine\":\"REPLACE\"" +
-               ",\"content\":{\"uri\":" + quoted(level.url) + "}" +
-               (tile.empty() ? "" : ",\"children\":[" + tile + "]") + "}";
+std::string tileset_json(std::span<const scene::LodNode> tree, const std::function<std::string(std::size_t)>& uri) {
+    std::string json = "{\"asset\":{\"version\":\"1.1\"},\"geometricError\":" + number(root_error(tree.front())) +
+                       ",\"root\":" + opened_tile(tree.front(), uri(0)) + ",\"refine\":\"REPLACE\"";
+    struct Open {
+        std::uint32_t tile, next_child;
+    };
+    std::vector<Open> open{{0, 0}};
+    while (!open.empty()) {
+        const scene::LodNode& tile = tree[open.back().tile];
+        const std::uint32_t child = open.back().next_child++;
+        if (child < tile.child_count) {
+            json += child == 0 ? ",\"children\":[" : ",";
+            json += opened_tile(tree[tile.first_child + child], uri(tile.first_child + child));
+            open.push_back({tile.first_child + child, 0});
+            continue;
+        }
+        json += tile.child_count > 0 ? "]}" : "}";
+        open.pop_back();
     }
-    return "{\"asset\":{\"version\":\"1.1\"},\"geometricError\":" +
-           number(std::max(extent.diagonal, root_error_factor * error)) + ",\"root\":" + tile + "}";
+    return json + "}";
 }
 
 }  // namespace lodestream::http

@@ -63,8 +63,10 @@ class Reader {
         const auto& all = scene_.instances;
         for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
             while (end < all.size() && all[end].mesh == all[begin].mesh) ++end;
-            if (const Status read = read_mesh(std::span(all).subspan(begin, end - begin)); !read) return read;
+            if (const Status read = read_mesh(begin, std::span(all).subspan(begin, end - begin)); !read) return read;
         }
+        soup_.graph.parents = scene_.parents;
+        for (const GltfInstance& instance : all) soup_.graph.object_nodes.push_back(instance.node);
         soup_.objects = objects_;
         if (objects_ > 1) soup_.kind = mesh::Kind::scene;
         return Nothing{};
@@ -78,12 +80,13 @@ class Reader {
         if (!document_.json.skins.empty()) soup_.warn("skins taken in the rest pose");
     }
 
-    Status read_mesh(std::span<const GltfInstance> instances) {
+    // `first`: which object the first instance is.
+    Status read_mesh(std::size_t first, std::span<const GltfInstance> instances) {
         const tinygltf::Mesh& mesh = document_.json.meshes[static_cast<std::size_t>(instances.front().mesh)];
         bool shown = false;
         for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
             const std::size_t before = soup_.triangles.size();
-            const Status added = add_primitive(mesh.primitives[i], mesh.weights, instances);
+            const Status added = add_primitive(mesh.primitives[i], mesh.weights, first, instances);
             if (!added)
                 return fail(added.error().code, "mesh " + std::to_string(instances.front().mesh) + " primitive " +
                                                     std::to_string(i) + ": " + added.error().message);
@@ -93,7 +96,7 @@ class Reader {
         return Nothing{};
     }
 
-    Status add_primitive(const tinygltf::Primitive& from, const std::vector<double>& weights,
+    Status add_primitive(const tinygltf::Primitive& from, const std::vector<double>& weights, std::size_t first,
                          std::span<const GltfInstance> instances) {
         const Result<GltfMaterialUse> use = materials_.use(from.material);
         if (!use) return use.error();
@@ -107,8 +110,10 @@ class Reader {
                                       soup_.triangles.size() + copies * primitive->triangles.size(), source_.limits);
             !fits)
             return fits;
-        for (const GltfInstance& instance : instances)
-            if (const Status placed = place(*primitive, instance, use->material); !placed) return placed;
+        for (std::size_t i = 0; i < instances.size(); ++i) {
+            soup_.object = static_cast<std::uint32_t>(first + i);
+            if (const Status placed = place(*primitive, instances[i], use->material); !placed) return placed;
+        }
         return Nothing{};
     }
 

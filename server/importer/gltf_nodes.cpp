@@ -71,7 +71,8 @@ class Walker {
         const std::vector<int> roots = root_nodes(json_);
         if (roots.empty() && json_.scenes.empty() && !json_.nodes.empty())
             return invalid_input("has nodes that are all children of others: a cycle");
-        for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack_.push_back({*root, 1, Mat4d{1.0}});
+        for (auto root = roots.rbegin(); root != roots.rend(); ++root)
+            stack_.push_back({*root, 1, Mat4d{1.0}, mesh::no_parent});
         while (!stack_.empty()) {
             const Step step = stack_.back();
             stack_.pop_back();
@@ -87,6 +88,7 @@ class Walker {
         int node;
         std::uint32_t depth;
         Mat4d parent;
+        std::uint32_t parent_place;  // in GltfScene::parents
     };
 
     Status visit(const Step& step) {
@@ -103,8 +105,10 @@ class Walker {
         if (!local) return local.error();
         const Mat4d world = step.parent * *local;
         scene_.node_to_world[index] = world;
+        const auto place = static_cast<std::uint32_t>(scene_.parents.size());
+        scene_.parents.push_back(step.parent_place);
         for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
-            stack_.push_back({*child, step.depth + 1, world});
+            stack_.push_back({*child, step.depth + 1, world, place});
         return node.mesh >= 0 ? add_instances(node, step.node, world) : Status(Nothing{});
     }
 
@@ -113,13 +117,16 @@ class Walker {
             return invalid_input(name_of(index) + " names a mesh that does not exist");
         const auto extension = node.extensions.find("EXT_mesh_gpu_instancing");
         if (extension == node.extensions.end()) {
-            scene_.instances.push_back({node.mesh, node.skin, world});
+            scene_.instances.push_back({node.mesh, node.skin, world, place()});
             return Nothing{};
         }
         const Status added = add_listed_instances(extension->second, node, world);
         return added ? Status(Nothing{})
                      : Status(fail(added.error().code, name_of(index) + ": " + added.error().message));
     }
+
+    // Of the node that is visited.
+    std::uint32_t place() const { return static_cast<std::uint32_t>(scene_.parents.size() - 1); }
 
     // One attribute of EXT_mesh_gpu_instancing; empty where it is not given.
     Result<std::vector<float>> listed(const tinygltf::Value& attributes, const char* name, int components,
@@ -156,7 +163,7 @@ class Walker {
             }
             for (std::size_t k = 0; k < 4; ++k)
                 if (!rotations->empty()) rotation[static_cast<int>(k)] = (*rotations)[4 * i + k];
-            scene_.instances.push_back({node.mesh, node.skin, world * placed(translation, rotation, scale)});
+            scene_.instances.push_back({node.mesh, node.skin, world * placed(translation, rotation, scale), place()});
         }
         return Nothing{};
     }

@@ -132,7 +132,7 @@ class Reader {
     }
 
     void add_face() {
-        if (!object_has_faces_) ++objects_;
+        if (!object_has_faces_) soup_.object = objects_++;
         object_has_faces_ = true;
         soup_.add_polygon(corners_, material_);
     }
@@ -189,7 +189,7 @@ class Reader {
     std::map<std::string, std::uint32_t> names_;
     std::set<std::string> libraries_, undefined_;
     std::uint32_t material_ = 0;
-    std::uint64_t objects_ = 0;
+    std::uint32_t objects_ = 0;
     bool object_has_faces_ = false;
 };
 

@@ -41,11 +41,13 @@ std::uint64_t keep_triangles(Soup& soup, Keep keep) {
     for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
         if (!keep(soup.triangles[i])) continue;
         soup.triangles[kept] = soup.triangles[i];
+        soup.triangle_objects[kept] = soup.triangle_objects[i];
         soup.triangle_materials[kept++] = soup.triangle_materials[i];
     }
     const std::uint64_t dropped = soup.triangles.size() - kept;
     soup.triangles.resize(kept);
     soup.triangle_materials.resize(kept);
+    soup.triangle_objects.resize(kept);
     return dropped;
 }
 
@@ -93,36 +95,21 @@ void move_attributes(Soup& soup, mesh::Mesh& mesh) {
     }
 }
 
-// The part of `mesh` whose triangles `take` picks, its vertex attributes whole.
+void move_objects(Soup& soup, mesh::Model& model) {
+    model.objects = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(soup.objects, 1, 0xffffffff));
+    if (model.objects == 1) return;
+    model.mesh.triangle_objects = std::move(soup.triangle_objects);
+    model.graph = std::move(soup.graph);
+    if (model.graph.parents.empty()) model.graph = {{mesh::no_parent}, std::vector<std::uint32_t>(model.objects, 0)};
+}
+
+// The part of `mesh` whose triangles `take` picks.
 template <class Take>
 mesh::Mesh part_of(const mesh::Mesh& mesh, Take take) {
-    mesh::Mesh part = mesh;
-    part.triangles.clear();
-    part.triangle_materials.clear();
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-        if (take(mesh.triangles[i])) {
-            part.triangles.push_back(mesh.triangles[i]);
-            part.triangle_materials.push_back(mesh::material_of(mesh, i));
-        }
-    return part;
-}
-
-template <class T>
-void append(std::vector<T>& to, const std::vector<T>& from) {
-    to.insert(to.end(), from.begin(), from.end());
-}
-
-void join(mesh::Mesh& to, const mesh::Mesh& from) {
-    const auto first = static_cast<std::uint32_t>(to.positions.size());
-    append(to.positions, from.positions);
-    append(to.normals, from.normals);
-    append(to.texture_coordinates, from.texture_coordinates);
-    append(to.colors, from.colors);
-    for (std::size_t i = 0; i < from.triangles.size(); ++i) {
-        const auto [a, b, c] = from.triangles[i];
-        to.triangles.push_back({first + a, first + b, first + c});
-        to.triangle_materials.push_back(mesh::material_of(from, i));
-    }
+    std::vector<std::uint32_t> taken;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+        if (take(mesh.triangles[t])) taken.push_back(t);
+    return mesh::part(mesh, taken);
 }
 
 mesh::Mesh made_normals(mesh::Mesh mesh) {
@@ -142,7 +129,7 @@ mesh::Mesh finished(mesh::Mesh mesh) {
     if (std::all_of(mesh.triangles.begin(), mesh.triangles.end(), complete)) return mesh::compact(mesh);
     if (std::none_of(mesh.triangles.begin(), mesh.triangles.end(), complete)) return made_normals(std::move(mesh));
     mesh::Mesh all = part_of(mesh, complete);
-    join(all, made_normals(part_of(mesh, lacking)));
+    mesh::append(all, made_normals(part_of(mesh, lacking)));
     return mesh::compact(all);
 }
 
@@ -309,7 +296,6 @@ Result<mesh::Model> finish(Soup soup, const Limits& limits) {
 
     mesh::Model model;
     model.kind = soup.kind;
-    model.objects = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(soup.objects, 1, 0xffffffff));
     model.origin = choose_origin(soup);
     model.mesh.positions.reserve(soup.positions.size());
     for (const Vec3d& p : soup.positions) model.mesh.positions.emplace_back(usable(p) ? p - model.origin : Vec3d{0});
@@ -322,6 +308,7 @@ Result<mesh::Model> finish(Soup soup, const Limits& limits) {
     move_attributes(soup, model.mesh);
     model.mesh.triangles = std::move(soup.triangles);
     model.mesh.triangle_materials = std::move(soup.triangle_materials);
+    move_objects(soup, model);
     model.materials = std::move(soup.materials);
     keep_used_materials(model);
     keep_used_images(model, soup.images, soup.warnings);

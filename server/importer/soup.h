@@ -22,11 +22,14 @@ class Soup {
     std::vector<Rgba8> colors;               // empty or as far as set; linear
     std::vector<mesh::Triangle> triangles;   // indices < positions.size()
     std::vector<std::uint32_t> triangle_materials;
+    std::vector<std::uint32_t> triangle_objects;
+    std::uint32_t object = 0;  // of the triangles that are added from now on
     std::vector<mesh::Material> materials;
     std::vector<mesh::Image> images;
     std::uint64_t image_bytes = 0;
     mesh::Kind kind = mesh::Kind::mesh;
-    std::uint64_t objects = 1;
+    std::uint64_t objects = 1;  // with triangles
+    mesh::SceneGraph graph;     // where there is none, objects are 0 … objects - 1
     std::vector<std::string> warnings;
 
     std::uint64_t unreadable_faces = 0;    // of fewer than three corners or with words for numbers
@@ -44,6 +47,7 @@ class Soup {
     void add_triangle(const mesh::Triangle& triangle, std::uint32_t material = 0) {
         triangles.push_back(triangle);
         triangle_materials.push_back(material);
+        triangle_objects.push_back(object);
     }
 
     // Kept once each, and no more than a report can show.

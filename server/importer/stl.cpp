@@ -68,11 +68,11 @@ double number_on_any_line(TextCursor& cursor) {
 Status read_text(const Source& source, Soup& soup) {
     TextCursor cursor(as_text(source.bytes));
     std::vector<std::uint32_t> corners;
-    std::uint64_t solids = 0;
+    std::uint32_t solids = 0;
     bool solid_has_facets = false;
     const auto end_facet = [&] {
         if (corners.empty()) return;
-        if (!solid_has_facets) ++solids;
+        if (!solid_has_facets) soup.object = solids++;
         solid_has_facets = true;
         soup.add_polygon(corners);
         corners.clear();

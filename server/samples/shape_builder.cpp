@@ -56,6 +56,7 @@ void ShapeBuilder::triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     if (mesh::face_area(mesh_.positions[a], mesh_.positions[b], mesh_.positions[c]) < least_area_m2) return;
     mesh_.triangles.push_back({a, b, c});
     mesh_.triangle_materials.push_back(material_);
+    if (objects_ > 0) mesh_.triangle_objects.push_back(objects_ - 1);
 }
 
 void ShapeBuilder::flat_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {

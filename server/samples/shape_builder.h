@@ -28,6 +28,8 @@ Frame moved(const Frame& frame, const Vec3d& local_offset);
 class ShapeBuilder {
   public:
     void use_material(std::uint32_t material) { material_ = material; }
+    void begin_object() { ++objects_; }  // of what is added from now on
+    std::uint32_t objects() const { return objects_; }
 
     // A box with its middle at the frame's origin.
     void box(const Frame& frame, const Vec3d& size);
@@ -53,7 +55,7 @@ class ShapeBuilder {
     // left.
     void ladder(std::span<const Vec3d> a, std::span<const Vec3d> b);
 
-    mesh::Mesh take();  // without vertices that no triangle uses
+    mesh::Mesh take();  // without vertices that no triangle uses; triangle_objects where an object was begun
 
   private:
     std::uint32_t vertex(const Vec3d& position, const Vec3d& normal);
@@ -65,6 +67,7 @@ class ShapeBuilder {
 
     mesh::Mesh mesh_;
     std::uint32_t material_ = 0;
+    std::uint32_t objects_ = 0;
 };
 
 }  // namespace lodestream::samples

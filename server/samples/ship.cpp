@@ -103,7 +103,10 @@ DeckPlace deck_place(std::uint64_t k, std::uint64_t n, double from, double to) {
 void add_gear(ShapeBuilder& builder, const ShipPlan& plan, Random& random, std::uint64_t objects) {
     const auto each = [&](double share, auto place) {
         const auto n = static_cast<std::uint64_t>(share * static_cast<double>(objects));
-        for (std::uint64_t k = 0; k < n; ++k) place(k, n);
+        for (std::uint64_t k = 0; k < n; ++k) {
+            builder.begin_object();
+            place(k, n);
+        }
     };
     each(railing_share, [&](std::uint64_t k, std::uint64_t n) {
         const DeckPlace at = deck_place(k, n, 0.01, 0.9);
@@ -166,9 +169,11 @@ void add_containers(ShapeBuilder& builder, const ShipPlan& plan, Random& random,
         const int tier = static_cast<int>(placed / stacks.size());
         for (std::size_t i = stacks.size() - 1; i > 0; --i)
             std::swap(stacks[i], stacks[static_cast<std::size_t>(random.below(static_cast<int>(i) + 1))]);
-        for (std::size_t i = 0; i < stacks.size() && placed < count; ++i, ++placed)
+        for (std::size_t i = 0; i < stacks.size() && placed < count; ++i, ++placed) {
+            builder.begin_object();
             add_container(builder, plan, stacks[i].bay, stacks[i].row, tier,
                           colors[static_cast<std::size_t>(random.below(static_cast<int>(colors.size())))]);
+        }
     }
 }
 
@@ -200,7 +205,10 @@ Result<mesh::Model> ship(std::uint64_t objects, std::uint64_t seed) {
     ShapeBuilder builder;
     const std::vector<Part> parts = main_parts(plan, random);
     const std::uint64_t main = std::min<std::uint64_t>(parts.size(), objects), rest = objects - main;
-    for (std::uint64_t i = 0; i < main; ++i) parts[i](builder);
+    for (std::uint64_t i = 0; i < main; ++i) {
+        builder.begin_object();
+        parts[i](builder);
+    }
     add_gear(builder, plan, random, rest);
     add_containers(builder, plan, random, rest - gear_count(rest));
 
@@ -208,7 +216,8 @@ Result<mesh::Model> ship(std::uint64_t objects, std::uint64_t seed) {
     model.kind = mesh::Kind::scene;
     model.mesh = builder.take();
     model.materials = paints();
-    model.objects = static_cast<std::uint32_t>(objects);
+    model.objects = builder.objects();
+    model.graph = {{mesh::no_parent}, std::vector<std::uint32_t>(model.objects, 0)};
     return model;
 }
 

@@ -8,24 +8,24 @@
 
 namespace lodestream::bench {
 
-std::vector<shading::View> views_around(const mesh::Model& model) {
+namespace {
+
+std::vector<shading::View> views_along(const mesh::Model& model, const std::vector<Vec3d>& directions) {
     const Vec3d center = mesh::bounds(model.mesh).center();
     double radius = 0;
     for (const Vec3f& p : model.mesh.positions) radius = std::max(radius, length(Vec3d(p) - center));
     std::vector<shading::View> views;
-    for (int corner = 0; corner < 8; ++corner) {
-        const Vec3d direction =
-            normalize(Vec3d{corner & 1 ? -0.8 : 1.0, corner & 2 ? -0.6 : 0.7, corner & 4 ? -0.9 : 1.1});
+    for (const Vec3d& toward : directions) {
+        const Vec3d direction = normalize(toward);
         shading::View view;
         view.target = model.origin + center;
         view.eye = view.target + direction * (radius / std::sin(radians(view.fov_y_deg) / 2));
-        view.light = direction + 0.6 * normalize(cross(direction, Vec3d{0, 1, 0})) + Vec3d{0, 0.4, 0};
+        const Vec3d aside = std::abs(direction.y) < 0.99 ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0};
+        view.light = direction + 0.6 * normalize(cross(direction, aside)) + Vec3d{0, 0.4, 0};
         views.push_back(view);
     }
     return views;
 }
-
-namespace {
 
 // pre: as many pictures, of the same sizes
 ImageError image_error(const std::vector<render::Image>& full, const std::vector<render::Image>& level) {
@@ -43,6 +43,20 @@ ImageError image_error(const std::vector<render::Image>& full, const std::vector
 }
 
 }  // namespace
+
+std::vector<shading::View> views_around(const mesh::Model& model) {
+    std::vector<Vec3d> directions;
+    for (int corner = 0; corner < 8; ++corner)
+        directions.push_back({corner & 1 ? -0.8 : 1.0, corner & 2 ? -0.6 : 0.7, corner & 4 ? -0.9 : 1.1});
+    return views_along(model, directions);
+}
+
+std::vector<shading::View> views_from_26(const mesh::Model& model) {
+    std::vector<Vec3d> directions;
+    for (int k = 0; k < 27; ++k)
+        if (k != 13) directions.push_back({k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1});
+    return views_along(model, directions);
+}
 
 Result<Painter> Painter::create() {
     Result<render::GlContext> context = render::create_headless_context();
@@ -70,8 +84,8 @@ std::vector<render::Image> Painter::draw(const mesh::Model& model, const mesh::M
     return pictures;
 }
 
-Gallery::Gallery(Painter& painter, const mesh::Model& model)
-    : painter_(painter), model_(model), views_(views_around(model)), full_(painter.draw(model, model.mesh, views_)) {}
+Gallery::Gallery(Painter& painter, const mesh::Model& model, std::vector<shading::View> views)
+    : painter_(painter), model_(model), views_(std::move(views)), full_(painter.draw(model, model.mesh, views_)) {}
 
 ImageError Gallery::show(const mesh::Mesh& level) {
     const std::vector<render::Image> pictures = painter_.draw(model_, level, views_);

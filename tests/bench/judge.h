@@ -19,6 +19,8 @@ inline constexpr std::uint32_t picture_side = 800;  // px
 // From the eight corners of a box around the model in world coordinates, lit from over the viewer's shoulder; the
 // model's sphere fills the picture.
 std::vector<shading::View> views_around(const mesh::Model& model);
+// Likewise from the 26 directions to a cube's faces, edges and corners.
+std::vector<shading::View> views_from_26(const mesh::Model& model);
 
 struct ImageError {
     double rms = 0.0;                 // 8-bit steps over R, G and B, over all views' covered pixels
@@ -46,7 +48,9 @@ class Painter {
 // The full model's pictures beside those of its levels. Throws like Painter, and where a file cannot be written.
 class Gallery {
   public:
-    Gallery(Painter& painter, const mesh::Model& model);  // both must outlive it
+    Gallery(Painter& painter, const mesh::Model& model)  // both must outlive it
+        : Gallery(painter, model, views_around(model)) {}
+    Gallery(Painter& painter, const mesh::Model& model, std::vector<shading::View> views);
 
     ImageError show(const mesh::Mesh& level);
     // The first view of the full model and of all levels shown since the last time, side by side.

@@ -73,7 +73,35 @@ TEST(QuantizationGrid, IsUsableForDegenerateAndExtremeInput) {
     for (const Box& bounds : boxes)
         for (const double error : {0.0, -1.0, 1e-45, 1e-3, 1e30, 1e300, nan, inf})
             for (const double edge : {0.0, 1e-300, 1.0, 1e300, nan})
-                EXPECT_TRUE(is_usable(choose_grid(bounds, error, edge))) << error << " " << edge;
+                for (const auto choose : {choose_grid, choose_window})
+                    EXPECT_TRUE(is_usable(choose(bounds, error, edge))) << error << " " << edge;
+}
+
+TEST(QuantizationWindow, HoldsItsBoundsExactlyAndItsStepIsAPowerOfTwo) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> exponent(-9.0, 9.0), unit(-1.0, 1.0);
+    for (int i = 0; i < 2000; ++i) {
+        const double size = std::pow(10.0, exponent(random)), far = size * std::pow(10.0, 3.0 * std::abs(unit(random)));
+        const Vec3d low(far * unit(random), far * unit(random), far * unit(random));
+        const Box bounds = box(low, low + Vec3d(size, 0.5 * size, 0.0));
+        const double edge = size * std::pow(10.0, -4.0 * std::abs(unit(random)));
+        const QuantizationGrid grid = choose_window(bounds, 0.1 * edge, edge);
+        ASSERT_TRUE(is_usable(grid));
+        int power = 0;
+        EXPECT_EQ(std::frexp(grid.step(), &power), 0.5);
+        for (int axis = 0; axis < 3; ++axis) {
+            EXPECT_LE(grid.origin[axis], bounds.min[axis]);
+            EXPECT_GE(static_cast<double>(grid.origin[axis]) + grid.range, bounds.max[axis]);
+            EXPECT_EQ(std::fmod(grid.origin[axis], grid.step()), 0.0);
+        }
+    }
+}
+
+TEST(QuantizationWindow, NeighboursOfOneStepShareTheirPoints) {
+    const QuantizationGrid left = choose_window(box({-7.3, 0, 0}, {1.1, 2, 2}), 0.01, 0.3),
+                           right = choose_window(box({1.1, -4, 0}, {5.9, 2, 2}), 0.01, 0.3);
+    ASSERT_EQ(left.step(), right.step());
+    for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(std::fmod(left.origin[axis] - right.origin[axis], left.step()), 0.0);
 }
 
 TEST(QuantizationGrid, KeepsEveryBitWhereNothingMeasuresTheStep) {

@@ -130,5 +130,36 @@ TEST(Bounds, IgnoreVerticesWithoutATriangle) {
     EXPECT_DOUBLE_EQ(Box{}.diagonal(), 0.0);
 }
 
+TEST(DistinctTriangles, KeepsTheOtherSideAndDropsTurnedCopies) {
+    Mesh m = testing::single_triangle();
+    m.positions.insert(m.positions.end(), m.positions.begin(), m.positions.end());  // the same places again
+    m.triangles = {{0, 1, 2}, {4, 5, 3}, {2, 1, 0}, {3, 5, 4}, {1, 2, 3}};
+    EXPECT_EQ(distinct_triangles(m), (std::vector<std::uint32_t>{0, 2}));
+}
+
+TEST(Part, HasTheVerticesThatItsTrianglesUse) {
+    Mesh m = testing::flat_grid(3);
+    for (std::uint32_t t = 0; t < m.triangles.size(); ++t) {
+        m.triangle_materials.push_back(t);
+        m.triangle_objects.push_back(100 + t);
+    }
+    const std::vector<std::uint32_t> taken{17, 2};
+    const Mesh p = part(m, taken);
+    ASSERT_EQ(p.triangles.size(), 2u);
+    EXPECT_EQ(p.triangle_materials, taken);
+    EXPECT_EQ(p.triangle_objects, (std::vector<std::uint32_t>{117, 102}));
+    EXPECT_EQ(p.positions.size(), 6u);
+    for (std::size_t i = 0; i < 2; ++i)
+        for (std::size_t k = 0; k < 3; ++k)
+            EXPECT_EQ(p.positions[p.triangles[i][k]], m.positions[m.triangles[taken[i]][k]]);
+}
+
+TEST(Append, ShiftsIndices) {
+    Mesh all = testing::single_triangle();
+    append(all, testing::tetrahedron());
+    EXPECT_EQ(all.positions.size(), 7u);
+    EXPECT_EQ(all.triangles.back(), (Triangle{4, 5, 6}));
+}
+
 }  // namespace
 }  // namespace lodestream::mesh

@@ -39,14 +39,6 @@ mesh::Mesh scaled(mesh::Mesh mesh, float factor) {
     return mesh;
 }
 
-void append(mesh::Mesh& mesh, const mesh::Mesh& other) {
-    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-    mesh.positions.insert(mesh.positions.end(), other.positions.begin(), other.positions.end());
-    mesh.normals.insert(mesh.normals.end(), other.normals.begin(), other.normals.end());
-    for (const mesh::Triangle& t : other.triangles)
-        mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-}
-
 TEST(Resample, EmptyMeshGivesNoPoints) {
     EXPECT_TRUE(resampled({}, 1000).positions.empty());
     EXPECT_EQ(choose_parameters({}, 1000).side, 1u);
@@ -92,7 +84,7 @@ TEST(Resample, SpecksSmallerThanAPixelAreDrawnAsPoints) {
     for (const float x : {0.2f, 0.5f, 0.8f}) {
         mesh::Mesh speck = scaled(testing::tetrahedron(), 1e-5f);
         for (Vec3f& p : speck.positions) p += Vec3f(x, 0.5f, 0.5f);
-        append(mesh, speck);
+        mesh::append(mesh, speck);
     }
     const PointCloud cloud = resample(mesh, {16, 16});
     for (const float x : {0.2f, 0.5f, 0.8f})
@@ -144,14 +136,14 @@ TEST(Resample, PointsLieOnTheSurfaceAndCoverIt) {
 
 TEST(Resample, HiddenInsideIsLeftOut) {
     mesh::Mesh mesh = testing::sphere(32);
-    append(mesh, scaled(testing::sphere(32), 0.5f));
+    mesh::append(mesh, scaled(testing::sphere(32), 0.5f));
     for (const Vec3f& p : resampled(mesh, 50'000).positions) ASSERT_GT(glm::length(p), 0.9f);
 }
 
 TEST(Resample, AnOpeningLetsTheInsideBeSeen) {
     mesh::Mesh mesh = testing::sphere(32);
     std::erase_if(mesh.triangles, [&](const mesh::Triangle& t) { return mesh.positions[t[0]].y > 0.9f; });
-    append(mesh, scaled(testing::sphere(32), 0.5f));
+    mesh::append(mesh, scaled(testing::sphere(32), 0.5f));
     const PointCloud cloud = resampled(mesh, 50'000);
     EXPECT_TRUE(std::any_of(cloud.positions.begin(), cloud.positions.end(),
                             [](const Vec3f& p) { return glm::length(p) < 0.6f; }));
@@ -162,7 +154,7 @@ TEST(Resample, SlicesReachBothEnds) {
     for (int step = 0; step < 8; ++step) {
         mesh::Mesh square = testing::flat_grid(1);
         for (Vec3f& p : square.positions) p.y = static_cast<float>(step) / 7.0f;
-        append(mesh, square);
+        mesh::append(mesh, square);
     }
     for (const std::uint32_t slices : {1u, 2u, 8u, 64u}) {
         const PointCloud cloud = resample(mesh, {slices, 32});

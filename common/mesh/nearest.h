@@ -5,7 +5,7 @@
 
 #include "common/base/math.h"
 
-namespace lodestream::simplify {
+namespace lodestream::mesh {
 
 // The weights of the corners, each in [0,1], of sum 1 (Ericson, Real-Time Collision Detection, 5.1.5); of a triangle
 // without area one corner or a place on a side. Finite for finite corners.
@@ -37,4 +37,4 @@ inline Vec3d nearest_weights(const Vec3d& p, const Vec3d& a, const Vec3d& b, con
     return {of_a / sum, of_b / sum, of_c / sum};
 }
 
-}  // namespace lodestream::simplify
+}  // namespace lodestream::mesh

@@ -1,0 +1,271 @@
+// lodestream_bench_hlod: a scene's hierarchical levels beside levels of its objects; see README.md.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <optional>
+
+#include "common/mesh/operations.h"
+#include "common/metric/surface_distance.h"
+#include "common/scene/select.h"
+#include "common/simplify/history.h"
+#include "server/bake/hlod.h"
+#include "server/importer/importer.h"
+#include "server/samples/samples.h"
+#include "tests/bench/judge.h"
+#include "tests/bench/methods.h"
+#include "tests/bench/stopwatch.h"
+#include "tests/bench/table.h"
+#include "tests/support/temporary_folder.h"
+
+namespace lodestream::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+    std::string scene = "sample:ship";
+    std::vector<std::uint64_t> budgets{1'920, 7'680, 30'000};
+    std::string picture_folder;
+    std::vector<std::uint64_t> growth;
+};
+
+constexpr std::string_view sample_prefix = "sample:";
+constexpr double target_ratio = 0.5;  // of the image error to a peer's
+
+mesh::Model load(const std::string& scene) {
+    Result<mesh::Model> model = scene.starts_with(sample_prefix)
+                                    ? samples::make_sample(scene.substr(sample_prefix.size()))
+                                    : importer::import_file(scene);
+    if (!model) throw std::runtime_error(model.error().message);
+    if (model->objects < 2) throw std::runtime_error(scene + " is one object");
+    return *std::move(model);
+}
+
+std::vector<mesh::Mesh> objects_of(const mesh::Model& model) {
+    std::vector<std::vector<std::uint32_t>> triangles(model.graph.object_nodes.size());
+    for (std::uint32_t t = 0; t < model.mesh.triangles.size(); ++t)
+        triangles[model.mesh.triangle_objects[t]].push_back(t);
+    std::vector<mesh::Mesh> objects;
+    for (const std::vector<std::uint32_t>& of_object : triangles)
+        if (!of_object.empty()) objects.push_back(mesh::part(model.mesh, of_object));
+    return objects;
+}
+
+mesh::Mesh joined(const std::vector<mesh::Mesh>& parts) {
+    mesh::Mesh all;
+    for (const mesh::Mesh& part : parts) mesh::append(all, part);
+    return all;
+}
+
+// The tree as the server bakes it, and what its tiles decode to.
+class Hierarchy {
+  public:
+    // What it draws has the material after the last one of the model.
+    explicit Hierarchy(const mesh::Model& model) : white_material_(static_cast<std::uint32_t>(model.materials.size())) {
+        proto::Asset asset;
+        asset.id = asset.name = "scene";
+        const Stopwatch watch;
+        const auto goes_on = [](double) { return true; };
+        Result<bake::TileTree> tree = store_.put_asset(asset).ok()
+                                          ? bake::make_tiles(store_, asset.id, model, {}, goes_on)
+                                          : fail(ErrorCode::io, "the store takes no asset");
+        if (!tree) throw std::runtime_error(tree.error().message);
+        tree_ = *std::move(tree);
+        baked_ = watch.elapsed();
+    }
+
+    const bake::TileTree& tree() const { return tree_; }
+    Duration baked() const { return baked_; }
+
+    // What target-frame-rate mode draws of it in this view.
+    mesh::Mesh cut(const scene::View& view, std::uint64_t budget) const {
+        scene::SelectOptions options;
+        options.budget = budget;
+        std::vector<mesh::Mesh> parts;
+        for (const std::uint32_t tile : scene::select(tree_.nodes, view, options).nodes) {
+            const store::StoredFile file = *store_.file(tree_.hashes[tile], "glb");
+            const codec::Decoded decoded = *codec::decode_level(*store::read_file(file.path, file.bytes));
+            for (const codec::Primitive& primitive : decoded.primitives)
+                parts.push_back(colored(primitive.mesh, decoded.materials[primitive.material]));
+        }
+        return joined(parts);
+    }
+
+  private:
+    // With the material's colour at its vertices, to be drawn with a white one.
+    mesh::Mesh colored(mesh::Mesh part, const mesh::Material& material) const {
+        part.colors.resize(part.positions.size(), Rgba8(255));
+        for (Rgba8& color : part.colors)
+            color = Rgba8(Vec4f(color) * clamp(material.base_color, Vec4f(0.0f), Vec4f(1.0f)) + 0.5f);
+        part.triangle_materials.assign(part.triangles.size(), white_material_);
+        return part;
+    }
+
+    testing::TemporaryFolder folder_;
+    store::Store store_ = *store::Store::open(folder_.path());
+    bake::TileTree tree_;
+    std::uint32_t white_material_;
+    Duration baked_;
+};
+
+// Every object on its own, by this engine: of all levels of all objects those within one error, the largest at which
+// the budget holds; an object smaller than that error is left out. The strongest that levels of single objects can be.
+class ObjectWise {
+  public:
+    explicit ObjectWise(const std::vector<mesh::Mesh>& objects) {
+        for (const mesh::Mesh& object : objects) levels_.push_back(levels_of(object));
+    }
+
+    mesh::Mesh cut(std::uint64_t budget) const {
+        double low = 0.0, high = 0.0;
+        for (const Levels& levels : levels_) high = std::max(high, levels.back().error);
+        for (int step = 0; step < 60; ++step) {
+            const double error = 0.5 * (low + high);
+            (triangles_within(error) <= budget ? high : low) = error;
+        }
+        std::vector<mesh::Mesh> parts;
+        for (const Levels& levels : levels_) parts.push_back(level_within(levels, high).mesh);
+        return joined(parts);
+    }
+
+  private:
+    struct ObjectLevel {
+        mesh::Mesh mesh;
+        double error = 0.0;
+    };
+    using Levels = std::vector<ObjectLevel>;  // finest first
+
+    static Levels levels_of(const mesh::Mesh& object) {
+        Levels levels{{object, 0.0}};
+        const metric::SurfaceIndex original(object, 4 * object.triangles.size());
+        const simplify::History history = *simplify::record_history(mesh::compact(object));
+        for (std::uint64_t count = object.triangles.size(); count > 1;) {
+            count = count * 3 / 4;
+            mesh::Mesh level = simplify::cut(history, count);
+            const double error = metric::measure(original, object, level).max;
+            levels.push_back({std::move(level), std::max(error, levels.back().error)});
+        }
+        levels.push_back({{}, std::max(levels.back().error, mesh::bounds(object).radius())});
+        return levels;
+    }
+
+    static const ObjectLevel& level_within(const Levels& levels, double error) {
+        const ObjectLevel* level = &levels.front();
+        for (const ObjectLevel& coarser : levels)
+            if (coarser.error <= error) level = &coarser;
+        return *level;
+    }
+
+    std::uint64_t triangles_within(double error) const {
+        std::uint64_t triangles = 0;
+        for (const Levels& levels : levels_) triangles += level_within(levels, error).mesh.triangles.size();
+        return triangles;
+    }
+
+    std::vector<Levels> levels_;
+};
+
+// Every object to the same share of its triangles by meshopt_simplify, as gltfpack -si does. It leaves every object
+// something, so the share falls until the budget holds or it helps no more.
+mesh::Mesh equal_ratio(const std::vector<mesh::Mesh>& objects, std::uint64_t triangles, std::uint64_t budget) {
+    mesh::Mesh best;
+    double share = static_cast<double>(budget) / static_cast<double>(triangles);
+    for (int turn = 0; turn < 8; ++turn, share *= 0.7) {
+        std::vector<mesh::Mesh> parts;
+        for (const mesh::Mesh& object : objects) {
+            const auto count = static_cast<std::uint64_t>(share * static_cast<double>(object.triangles.size()));
+            parts.push_back(simplify_with_seams(object, std::max<std::uint64_t>(1, count)));
+        }
+        best = joined(parts);
+        if (best.triangles.size() <= budget) break;
+    }
+    return best;
+}
+
+scene::View view_of(const shading::View& from) {
+    scene::View view;
+    view.eye = from.eye;
+    view.target = from.target;
+    if (std::abs(normalize(from.target - from.eye).y) > 0.99) view.up = {1, 0, 0};
+    view.fov_y_deg = from.fov_y_deg;
+    view.width = view.height = picture_side;
+    view.near = 1e-3 * distance(from.eye, from.target);
+    return view;
+}
+
+void compare(const Arguments& arguments) {
+    mesh::Model model = load(arguments.scene);
+    const std::uint64_t triangles = model.mesh.triangles.size();
+    const Hierarchy hierarchy(model);
+    model.materials.emplace_back();
+    std::printf("%s: %u objects, %llu triangles; %zu tiles baked in %.1f s (%.1f s CPU)\n", arguments.scene.c_str(),
+                model.objects, static_cast<unsigned long long>(triangles), hierarchy.tree().nodes.size(),
+                1e-3 * hierarchy.baked().wall_ms, 1e-3 * hierarchy.baked().cpu_ms);
+    const std::vector<mesh::Mesh> objects = objects_of(model);
+    const ObjectWise object_wise(objects);
+    Result<Painter> painter = Painter::create();
+    if (!painter) throw std::runtime_error(painter.error().message);
+    Gallery gallery(*painter, model, views_from_26(model));
+
+    std::vector<TableRow> rows{{"budget", "method", "triangles", "image error", "outline %", "ours / it"}};
+    for (const std::uint64_t budget : arguments.budgets) {
+        const auto view = view_of(views_from_26(model).front());
+        const std::vector<std::pair<std::string, mesh::Mesh>> levels{
+            {"hierarchical", hierarchy.cut(view, budget)},
+            {"object-wise", object_wise.cut(budget)},
+            {"equal ratio", equal_ratio(objects, triangles, budget)}};
+        std::optional<ImageError> ours;
+        for (const auto& [name, level] : levels) {
+            const ImageError error = gallery.show(level);
+            if (!ours) ours = error;
+            rows.push_back({std::to_string(budget), name, std::to_string(level.triangles.size()), brief(error.rms),
+                            brief(error.silhouette_percent), fixed(ours->rms / error.rms, 2)});
+        }
+        if (!arguments.picture_folder.empty())
+            gallery.write(fs::path(arguments.picture_folder) / ("hlod-" + std::to_string(budget) + ".png"));
+    }
+    std::printf("%s(target: at most %.1f of either)\n", to_text(rows).c_str(), target_ratio);
+}
+
+// Ships of more and more objects.
+void grow(const std::vector<std::uint64_t>& counts) {
+    std::vector<TableRow> rows{{"objects", "triangles", "tiles", "wall s", "CPU s", "CPU us/triangle"}};
+    for (const std::uint64_t count : counts) {
+        const mesh::Model model = load("sample:ship:" + std::to_string(count));
+        const Hierarchy hierarchy(model);
+        const auto triangles = static_cast<double>(model.mesh.triangles.size());
+        rows.push_back({std::to_string(count), std::to_string(model.mesh.triangles.size()),
+                        std::to_string(hierarchy.tree().nodes.size()), fixed(1e-3 * hierarchy.baked().wall_ms, 2),
+                        fixed(1e-3 * hierarchy.baked().cpu_ms, 2),
+                        fixed(1e3 * hierarchy.baked().cpu_ms / triangles, 2)});
+    }
+    std::printf("%s", to_text(rows).c_str());
+}
+
+}  // namespace
+}  // namespace lodestream::bench
+
+int main(int argc, char** argv) {
+    lodestream::bench::Arguments arguments;
+    CLI::App app{
+        "Draws a scene at equal triangles from its hierarchy, from levels of its objects and at an equal ratio."};
+    app.add_option("--scene", arguments.scene, "a file of several objects, or sample:ship:COUNT")
+        ->capture_default_str();
+    app.add_option("--budgets", arguments.budgets, "triangles")->capture_default_str();
+    app.add_option("--pictures", arguments.picture_folder, "where to write full scene, ours, object-wise, equal ratio");
+    app.add_option("--growth", arguments.growth, "instead: bake ships of so many objects");
+    CLI11_PARSE(app, argc, argv);
+    try {
+        if (arguments.growth.empty())
+            lodestream::bench::compare(arguments);
+        else
+            lodestream::bench::grow(arguments.growth);
+        return 0;
+    } catch (const std::exception& error) {
+        std::cerr << "lodestream_bench_hlod: " << error.what() << std::endl;
+        return 1;
+    }
+}

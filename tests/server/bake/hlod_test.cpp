@@ -1,0 +1,255 @@
+#include "server/bake/hlod.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "common/codec/level_codec.h"
+#include "common/mesh/operations.h"
+#include "common/metric/surface_distance.h"
+#include "server/bake/bake.h"
+#include "tests/support/meshes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace lodestream::bake {
+namespace {
+
+mesh::Mesh moved(mesh::Mesh mesh, const Vec3f& by) {
+    for (Vec3f& p : mesh.positions) p += by;
+    return mesh;
+}
+
+void add_object(mesh::Model& model, const mesh::Mesh& mesh, std::uint32_t node = 0) {
+    const auto object = static_cast<std::uint32_t>(model.graph.object_nodes.size());
+    mesh::append(model.mesh, mesh);
+    model.mesh.triangle_objects.resize(model.mesh.triangles.size(), object);
+    model.graph.object_nodes.push_back(node);
+    model.objects = object + 1;
+}
+
+mesh::Model empty_scene() {
+    mesh::Model model;
+    model.kind = mesh::Kind::scene;
+    model.materials.resize(1);
+    model.graph.parents = {mesh::no_parent};
+    return model;
+}
+
+// side * side spheres of 2 * n * (n - 1) triangles in the xz plane.
+mesh::Model spheres(std::uint32_t side, std::uint32_t n) {
+    mesh::Model model = empty_scene();
+    for (std::uint32_t row = 0; row < side; ++row)
+        for (std::uint32_t column = 0; column < side; ++column)
+            add_object(model, moved(testing::sphere(n), 3.0f * Vec3f(column, 0, row)));
+    return model;
+}
+
+bool goes_on(double) {
+    return true;
+}
+
+struct HlodTest : ::testing::Test {
+    testing::TemporaryFolder folder;
+    store::Store store = *store::Store::open(folder.path());
+
+    TileTree make(const mesh::Model& model) {
+        proto::Asset asset;
+        asset.id = asset.name = "scene";
+        EXPECT_TRUE(store.put_asset(asset).ok());
+        Result<TileTree> tree = make_tiles(store, asset.id, model, {}, goes_on);
+        EXPECT_TRUE(tree.ok()) << tree.error().message;
+        return tree.ok() ? *tree : TileTree{};
+    }
+
+    mesh::Mesh content(const TileTree& tree, std::size_t tile) {
+        const store::StoredFile file = *store.file(tree.hashes[tile], "glb");
+        const codec::Decoded decoded = *codec::decode_level(*store::read_file(file.path, file.bytes));
+        mesh::Mesh all;
+        for (const codec::Primitive& primitive : decoded.primitives) mesh::append(all, primitive.mesh);
+        for (Vec3f& p : all.positions) p = Vec3f(Vec3d(p) + decoded.origin);
+        return all;
+    }
+
+    // What the leaves below a tile show together.
+    mesh::Mesh finest_below(const TileTree& tree, std::uint32_t tile) {
+        const scene::LodNode& node = tree.nodes[tile];
+        if (node.child_count == 0) return content(tree, tile);
+        mesh::Mesh all;
+        for (std::uint32_t i = 0; i < node.child_count; ++i)
+            mesh::append(all, finest_below(tree, node.first_child + i));
+        return all;
+    }
+};
+
+std::uint64_t leaf_triangles(const TileTree& tree) {
+    std::uint64_t triangles = 0;
+    for (const scene::LodNode& node : tree.nodes) triangles += node.child_count == 0 ? node.triangles : 0;
+    return triangles;
+}
+
+TEST_F(HlodTest, LeavesAreTheObjectsAndEveryTileAboveIsCoarser) {
+    const mesh::Model model = spheres(6, 24);
+    const TileTree tree = make(model);
+    ASSERT_TRUE(scene::validate(tree.nodes).ok());
+    EXPECT_EQ(leaf_triangles(tree), model.mesh.triangles.size());
+    EXPECT_LE(tree.nodes.front().triangles, coarsest_tile);
+    for (const scene::LodNode& node : tree.nodes) {
+        if (node.child_count == 0) {
+            EXPECT_EQ(node.error, 0.0);
+            continue;
+        }
+        std::uint64_t below = 0;
+        for (std::uint32_t i = 0; i < node.child_count; ++i) below += tree.nodes[node.first_child + i].triangles;
+        EXPECT_LE(node.triangles, tile_triangles);
+        EXPECT_LE(2 * node.triangles, below);
+        EXPECT_GT(node.error, 0.0);
+    }
+}
+
+TEST_F(HlodTest, StatedErrorBoundsWhatIsMeasuredAgainstTheObjects) {
+    const TileTree tree = make(spheres(6, 24));
+    for (std::uint32_t i = 0; i < tree.nodes.size(); ++i) {
+        if (tree.nodes[i].child_count == 0) continue;
+        const mesh::Mesh finest = finest_below(tree, i);
+        const double measured = metric::measure(metric::SurfaceIndex(finest), finest, content(tree, i)).max;
+        const double leaf_steps = 0.05 / codec::finest_steps_per_edge;  // the leaves are quantized too
+        EXPECT_LE(measured, 1.05 * tree.nodes[i].error + leaf_steps) << i;
+    }
+}
+
+TEST_F(HlodTest, BoxesHoldWhatIsDrawn) {
+    mesh::Model model = spheres(5, 20);
+    model.origin = {5e6, -3e5, 1e6};
+    const TileTree tree = make(model);
+    for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
+        const Box& box = tree.nodes[i].box;
+        const double slack = 1.0;  // single precision so far from the world's origin
+        for (const Vec3f& p : content(tree, i).positions) {
+            EXPECT_TRUE(glm::all(glm::lessThanEqual(box.min - slack, Vec3d(p)))) << i;
+            EXPECT_TRUE(glm::all(glm::lessThanEqual(Vec3d(p), box.max + slack))) << i;
+        }
+    }
+}
+
+TEST_F(HlodTest, SameSceneMakesTheSameBytes) {
+    const mesh::Model model = spheres(5, 20);
+    const TileTree first = make(model), second = make(model);
+    EXPECT_EQ(first.hashes, second.hashes);
+    EXPECT_EQ(serialize(first), serialize(second));
+}
+
+TEST_F(HlodTest, LargeObjectGetsAChainOfItsOwn) {
+    mesh::Model model = empty_scene();
+    add_object(model, testing::sphere(200));  // 79,600 triangles
+    add_object(model, moved(testing::sphere(8), {5, 0, 0}));
+    const TileTree tree = make(model);
+    EXPECT_EQ(leaf_triangles(tree), model.mesh.triangles.size());
+    std::vector<std::uint64_t> chain;
+    for (const scene::LodNode& node : tree.nodes)
+        if (node.box.max.x < 2.0) chain.push_back(node.triangles);
+    std::sort(chain.begin(), chain.end());
+    EXPECT_EQ(chain, (std::vector<std::uint64_t>{7'680, 9'950, 19'900, 39'800, 79'600}));
+}
+
+TEST_F(HlodTest, GraphOfTenThousandNodesInOneChain) {
+    mesh::Model model = empty_scene();
+    for (std::uint32_t i = 1; i < 10'000; ++i) model.graph.parents.push_back(i - 1);
+    for (std::uint32_t i = 0; i < 10'000; ++i)
+        add_object(model, moved(mesh::with_normals(testing::tetrahedron(), 60), {2.0f * static_cast<float>(i), 0, 0}),
+                   i);
+    const TileTree tree = make(model);
+    EXPECT_EQ(leaf_triangles(tree), 40'000u);
+    EXPECT_LE(scene::depth(tree.nodes), 12u);
+}
+
+TEST_F(HlodTest, ObjectsInOnePlaceAndObjectsWithoutTriangles) {
+    mesh::Model model = empty_scene();
+    for (int i = 0; i < 40; ++i) add_object(model, testing::sphere(12));
+    model.graph.object_nodes.resize(90, 0);
+    const TileTree tree = make(model);
+    EXPECT_EQ(leaf_triangles(tree), model.mesh.triangles.size());
+}
+
+TEST_F(HlodTest, TilesAboveTheLeavesShowNothingThatIsInside) {
+    mesh::Model model = empty_scene();
+    for (int i = 0; i < 20; ++i) add_object(model, moved(testing::sphere(12), 0.2f * Vec3f(i % 5, i % 4, 0)));
+    mesh::Mesh hull = testing::sphere(60);
+    for (Vec3f& p : hull.positions) p *= 5.0f;
+    add_object(model, hull);
+    const TileTree tree = make(model);
+    EXPECT_EQ(leaf_triangles(tree), model.mesh.triangles.size());
+    for (const Vec3f& p : content(tree, 0).positions) EXPECT_GT(length(p), 4.0f);
+}
+
+TEST_F(HlodTest, MaterialsBecomeColoursWhereObjectsAreJoined) {
+    mesh::Model model = spheres(6, 24);
+    for (Vec3f& p : model.mesh.positions) p.x *= 0.67f;  // rows of spheres that touch
+    model.materials.resize(2);
+    model.materials[0].base_color = {1, 0, 0, 1};
+    model.materials[1].base_color = {0, 0, 1, 1};
+    for (const std::uint32_t object : model.mesh.triangle_objects)
+        model.mesh.triangle_materials.push_back(object % 6 < 3 ? 0 : 1);
+    const TileTree tree = make(model);
+    const store::StoredFile file = *store.file(tree.hashes[0], "glb");
+    const codec::Decoded root = *codec::decode_level(*store::read_file(file.path, file.bytes));
+    ASSERT_EQ(root.primitives.size(), 1u);
+    const mesh::Mesh& mesh = root.primitives[0].mesh;
+    ASSERT_EQ(mesh.colors.size(), mesh.positions.size());
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+        EXPECT_TRUE(mesh.positions[v].x > 2.0f || mesh.colors[v].x > 200) << v;
+        EXPECT_TRUE(mesh.positions[v].x < 8.0f || mesh.colors[v].z > 200) << v;
+    }
+}
+
+TEST_F(HlodTest, TexturesAndMasksAreKept) {
+    mesh::Model model = spheres(6, 24);
+    model.mesh.texture_coordinates.assign(model.mesh.positions.size(), Vec2f(0.5f));
+    model.materials[0].alpha_mode = mesh::AlphaMode::mask;
+    const TileTree tree = make(model);
+    const store::StoredFile file = *store.file(tree.hashes[0], "glb");
+    const codec::Decoded root = *codec::decode_level(*store::read_file(file.path, file.bytes));
+    EXPECT_EQ(root.materials[0].alpha_mode, mesh::AlphaMode::mask);
+}
+
+TEST_F(HlodTest, SceneOfTwoTrianglesIsOneTile) {
+    mesh::Model model = empty_scene();
+    const mesh::Mesh triangle = mesh::with_normals(testing::single_triangle(), 60);
+    add_object(model, triangle);
+    add_object(model, moved(triangle, {1e7f, 0, 0}));
+    const TileTree tree = make(model);
+    EXPECT_EQ(tree.nodes.size(), 1u);
+    EXPECT_EQ(tree.nodes.front().triangles, 2u);
+}
+
+TEST_F(HlodTest, CancelledBakeSaysSo) {
+    proto::Asset asset;
+    asset.id = asset.name = "scene";
+    ASSERT_TRUE(store.put_asset(asset).ok());
+    const auto tree = make_tiles(store, "scene", spheres(4, 24), {}, [](double share) { return share < 0.3; });
+    ASSERT_FALSE(tree.ok());
+    EXPECT_EQ(tree.error().code, ErrorCode::unavailable);
+}
+
+TEST_F(HlodTest, BakedSceneTellsOfItsTilesAndOneObjectHasAChain) {
+    proto::Asset asset;
+    asset.id = asset.name = "scene";
+    const Result<proto::Asset> scene = bake(store, asset, spheres(4, 24));
+    ASSERT_TRUE(scene.ok()) << scene.error().message;
+    ASSERT_TRUE(scene->hierarchy);
+    const Result<TileTree> tiles = load_tiles(store, *scene);
+    ASSERT_TRUE(tiles.ok()) << tiles.error().message;
+    EXPECT_EQ(scene->hierarchy->tiles, tiles->nodes.size());
+    EXPECT_EQ(scene->hierarchy->max_error, tiles->nodes.front().error);
+
+    asset.id = asset.name = "single";
+    mesh::Model single = empty_scene();
+    single.graph = {};
+    single.mesh = testing::sphere(24);
+    const Result<proto::Asset> one = bake(store, asset, single);
+    ASSERT_TRUE(one.ok()) << one.error().message;
+    EXPECT_FALSE(one->hierarchy);
+    EXPECT_EQ(load_tiles(store, *one)->nodes.size(), one->levels.size());
+}
+
+}  // namespace
+}  // namespace lodestream::bake

@@ -1,0 +1,105 @@
+// 3DTilesRendererJS and CesiumJS load the tileset of every scene: no tile fails, close views are refined down to the leaves,
+// far ones are not, and the finest picture is that of the whole model.
+//   node tests/web/tileset.mjs LODESTREAM_SERVER [FOLDER_FOR_PICTURES]
+import { existsSync } from "node:fs";
+import { cp, mkdir, mkdtemp, rm, writeFile } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { fileURLToPath } from "node:url";
+
+import { open_browser, open_page, serve_pages } from "./browser.mjs";
+import { list_assets, with_server } from "./server.mjs";
+
+const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
+const shared_data = process.env.LODESTREAM_DATA ?? path.join(root, "../shared/data");
+const models = ["gltf/pins_instances.glb", "scene/2CylinderEngine.glb", "scene/CesiumMilkTruck.glb"];
+
+const finest_px = 1e-3;
+const most_silhouette = 0.002; // of the pixels that show something: edges fall between pixels differently
+const most_color = 0.02;
+
+async function copy_models(folder) {
+  await mkdir(folder, { recursive: true });
+  const found = models.map((model) => path.join(shared_data, model)).filter((file) => existsSync(file));
+  if (found.length === 0) console.log(`${shared_data} is not here: the ship alone is shown`);
+  for (const file of found) await cp(file, path.join(folder, path.basename(file)));
+}
+
+function* tiles_below(tile) {
+  yield tile;
+  for (const child of tile.children ?? []) yield* tiles_below(child);
+}
+
+function view_of({ bounds_min: low, bounds_max: high }, radii, error_px) {
+  const target = low.map((l, i) => (l + high[i]) / 2);
+  const radius = Math.hypot(...low.map((l, i) => high[i] - l)) / 2;
+  const direction = [0.48, 0.36, 0.8];
+  return { eye: target.map((t, i) => t + radii * radius * direction[i]), target, up: [0, 1, 0], fov_y_deg: 45, error_px };
+}
+
+const names = (tiles) => new Set(tiles.map(({ content }) => content.uri.split("/").pop()));
+const equal = (a, b) => a.size === b.size && [...a].every((name) => b.has(name));
+
+async function save(folder, name, data_url) {
+  if (folder) await writeFile(path.join(folder, name), Buffer.from(data_url.split(",")[1], "base64"));
+}
+
+async function check_asset(page, url, asset, pictures) {
+  const problems = [];
+  const tileset_url = `${url}/v1/assets/${asset.id}/tileset.json`;
+  const tileset = await (await fetch(tileset_url)).json();
+  const tiles = [...tiles_below(tileset.root)];
+  const leaves = names(tiles.filter(({ children }) => !children));
+  const near = view_of(asset, 2.8, finest_px), far = view_of(asset, 400, 16);
+  const glb = new URL(asset.levels[0].url, url).href;
+
+  const three = await page.evaluate(([t, g, v]) => window.measure_three(t, g, v), [tileset_url, glb, far]);
+  if (!equal(new Set(three.drawn), names([tileset.root]))) problems.push(`three.js, far away: ${three.drawn.length} tiles, not the root`);
+  const finest = await page.evaluate(([t, g, v]) => window.measure_three(t, g, v), [tileset_url, glb, near]);
+  await save(pictures, `${asset.id}-three.png`, await page.evaluate(() => window.picture_three()));
+  const cesium = await page.evaluate(([t, v]) => window.measure_cesium(t, v), [tileset_url, near]);
+  await save(pictures, `${asset.id}-cesium.png`, cesium.picture);
+  for (const [viewer, { drawn, failed }] of Object.entries({ "three.js": finest, CesiumJS: cesium })) {
+    if (failed > 0) problems.push(`${viewer}: ${failed} tiles failed`);
+    if (!equal(new Set(drawn), leaves)) problems.push(`${viewer}: ${drawn.length} tiles drawn, not the ${leaves.size} leaves`);
+  }
+  const { silhouette, color, pixels } = finest.difference;
+  if (!(pixels > 0 && silhouette <= most_silhouette && color <= most_color))
+    problems.push(`beside the whole model: ${pixels} pixels, ${silhouette} of the silhouette and ${color} of the colours differ`);
+  console.log(`${asset.name}: ${tiles.length} tiles, ${leaves.size} leaves; silhouette ${(100 * silhouette).toFixed(3)} %, ` +
+              `colour ${(100 * color).toFixed(3)} % of ${pixels} pixels differ; ${problems.length} problems`);
+  for (const problem of problems) console.error(`${asset.name}: ${problem}`);
+  return problems.length;
+}
+
+async function check_tilesets(url, pictures) {
+  const pages = await serve_pages(new Map());
+  const browser = await open_browser();
+  try {
+    const scenes = (await list_assets(url)).filter(({ status, hierarchy }) => status === "ready" && hierarchy);
+    if (scenes.length === 0) throw new Error("no scene was baked");
+    let bad = 0;
+    for (const asset of scenes) {
+      const { page, errors } = await open_page(browser, `${pages.url}/tiles.html`);
+      await page.waitForFunction(() => window.measure_cesium);
+      bad += await check_asset(page, url, asset, pictures);
+      for (const error of errors) console.error(`${asset.name}: console: ${error}`);
+      bad += errors.length;
+      await page.close();
+    }
+    return bad;
+  } finally {
+    await browser.close();
+    pages.close();
+  }
+}
+
+const [server_program, pictures] = process.argv.slice(2);
+const folder = await mkdtemp(path.join(tmpdir(), "lodestream-scenes-"));
+try {
+  await copy_models(folder);
+  if (pictures) await mkdir(pictures, { recursive: true });
+  process.exitCode = (await with_server(server_program, folder, (url) => check_tilesets(url, pictures))) > 0 ? 1 : 0;
+} finally {
+  await rm(folder, { recursive: true });
+}
