@@ -3,8 +3,6 @@
 #include <cmath>
 #include <set>
 
-#include "proto/messages.h"
-
 namespace lodestream::proto {
 
 namespace {
@@ -25,10 +23,12 @@ std::string quoted(const Json& value) {
 // Watches the parser: where it is, how deep, and which members it has seen.
 class Watch {
   public:
+    explicit Watch(std::size_t max_depth) : max_depth_(max_depth) {}
+
     bool operator()(int, Json::parse_event_t event, Json& parsed) {
         using Event = Json::parse_event_t;
         if (event == Event::object_start || event == Event::array_start) {
-            if (levels_.size() >= max_json_depth) refuse("deeper than " + std::to_string(max_json_depth) + " levels");
+            if (levels_.size() >= max_depth_) refuse("deeper than " + std::to_string(max_depth_) + " levels");
             levels_.emplace_back();
         } else if (event == Event::object_end || event == Event::array_end) {
             levels_.pop_back();
@@ -63,6 +63,7 @@ class Watch {
         throw refused;
     }
 
+    std::size_t max_depth_;
     std::vector<Level> levels_;
 };
 
@@ -75,8 +76,8 @@ std::string plain_message(const std::exception& e) {
 
 }  // namespace
 
-Result<Json> parse_json(std::string_view text) {
-    Watch watch;
+Result<Json> parse_json(std::string_view text, std::size_t max_depth) {
+    Watch watch(max_depth);
     try {
         return Json::parse(
             text, [&](int depth, Json::parse_event_t event, Json& parsed) { return watch(depth, event, parsed); });

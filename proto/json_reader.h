@@ -13,13 +13,14 @@
 
 #include "common/base/math.h"
 #include "common/base/result.h"
+#include "proto/messages.h"
 
 namespace lodestream::proto {
 
 using Json = nlohmann::json;
 
-// Whole, well formed, at most max_json_depth deep, every member named once, every number finite.
-Result<Json> parse_json(std::string_view text);
+// Whole, well formed, at most so deep, every member named once, every number finite.
+Result<Json> parse_json(std::string_view text, std::size_t max_depth = max_json_depth);
 
 // The members of one object. The first thing that is wrong is kept in `error`; whatever is read after it keeps its
 // value. null counts as absent.

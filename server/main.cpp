@@ -76,7 +76,8 @@ int run(int argc, char** argv) {
     cut_app->callback([&] { command = [&] { return cli::cut(cut); }; });
 
     cli::TilesetArguments tileset;
-    CLI::App* tileset_app = app.add_subcommand("tileset", "Write a baked asset as a 3D Tiles 1.1 tileset");
+    CLI::App* tileset_app = app.add_subcommand(
+        "tileset", "Write a baked asset as a 3D Tiles 1.1 tileset: a scene's tiles, or the levels of a single object");
     tileset_app->add_option("--store", tileset.store, "Folder of the store")->required();
     tileset_app->add_option("--asset", tileset.asset, "The asset's name")->required();
     tileset_app->add_option("--out", tileset.out, "Folder to write")->required();

@@ -103,6 +103,17 @@ struct ShadingSample {
     ModeResult result;             // times and bytes that the series does not measure are 0
 };
 
+// The tiles of a scene that target-frame-rate mode draws within a budget, in the view of the first device class.
+struct HlodSample {
+    std::uint64_t budget = 0;  // triangles
+    std::uint64_t triangles = 0;
+    std::uint64_t tiles = 0;
+    std::uint64_t bytes = 0;  // of these tiles
+    double error_px = 0.0;    // the largest of theirs
+    double frame_ms = 0.0;
+    ImageError image;
+};
+
 // What a device shows beside the full model, and their difference; thumbnails as PNG.
 struct Picture {
     std::string device;
@@ -123,6 +134,7 @@ struct AssetResult {
     std::string split_device;  // whose budget and display the split was measured with
     CountedOperations operations;
     std::vector<ShadingSample> shading;
+    std::vector<HlodSample> hlod;  // of scenes alone
     std::vector<Picture> pictures;
 };
 

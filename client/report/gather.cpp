@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "client/render/image.h"
+#include "client/report/hlod_study.h"
 #include "client/report/measure_frame_rate.h"
 #include "client/report/pictures.h"
 #include "client/report/shading_study.h"
@@ -428,6 +429,15 @@ Result<AssetResult> Gatherer::measure_asset(const proto::Asset& listed) {
     const StudyOptions study{result.asset.id, reference->view, effort_.frames, options_.quick};
     if (Status studied = study_shading(client_, renderer_, reference->settings, study, result); !studied)
         problem(listed.name + ", shading", studied.error());
+    if (result.asset.hierarchy) {
+        if (Status going_on = begin(listed.name + ": tiles"); !going_on) return going_on.error();
+        Result<std::vector<HlodSample>> hlod =
+            study_hlod(client_, renderer_, result.asset, reference->view, reference->images.front(), effort_.frames);
+        if (hlod)
+            result.hlod = *std::move(hlod);
+        else
+            problem(listed.name + ", tiles", hlod.error());
+    }
     if (Status saved = save_composite(result); !saved) problem(listed.name, saved.error());
     if (result.devices.empty()) return fail(ErrorCode::unavailable, "no device class could be measured");
     return result;

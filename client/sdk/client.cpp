@@ -159,8 +159,9 @@ struct Client::Impl {
     }
 
     template <class T>
-    Result<T> send_for(const HttpRequest& request, Result<T> (*parse)(std::string_view)) {
-        const auto body = send(request, max_json_bytes);
+    Result<T> send_for(const HttpRequest& request, Result<T> (*parse)(std::string_view),
+                       std::uint64_t max_bytes = max_json_bytes) {
+        const auto body = send(request, max_bytes);
         if (!body) return body.error();
         auto parsed = parse(*body);
         if (parsed) return parsed;
@@ -190,6 +191,12 @@ Result<proto::Asset> Client::asset(const std::string& id) {
     HttpRequest request;
     request.target = "/v1/assets/" + percent_encode(id);
     return impl_->send_for(request, proto::parse_asset);
+}
+
+Result<proto::Tileset> Client::tileset(const std::string& asset_id) {
+    HttpRequest request;
+    request.target = "/v1/assets/" + percent_encode(asset_id) + "/tileset.json";
+    return impl_->send_for(request, proto::parse_tileset, max_tileset_bytes);
 }
 
 Result<proto::PlanResponse> Client::plan(const proto::PlanRequest& plan_request) {

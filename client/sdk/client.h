@@ -14,12 +14,14 @@
 #include "common/base/result.h"
 #include "common/codec/level_codec.h"
 #include "proto/messages.h"
+#include "proto/tileset.h"
 
 namespace lodestream::sdk {
 
 inline constexpr double connect_timeout_s = 10.0;
 inline constexpr double request_timeout_s = 120.0;  // from the first byte sent to the last one received
 inline constexpr std::uint64_t max_json_bytes = 16ull << 20;
+inline constexpr std::uint64_t max_tileset_bytes = 512ull << 20;
 inline constexpr std::uint64_t max_content_bytes = 1ull << 30;
 inline constexpr std::uint32_t max_header_bytes = 16u << 10;
 inline constexpr std::uint32_t wait_interval_ms = 50;  // between two looks at an asset that is baking
@@ -62,6 +64,9 @@ class Client {
 
     // The bytes behind a plan's content URL, exactly `expected_bytes` of them. Redirects are refused.
     Result<std::vector<std::byte>> fetch(const std::string& url, std::uint64_t expected_bytes);
+
+    // The asset's levels as a tree; its tiles are fetched by their uri and bytes.
+    Result<proto::Tileset> tileset(const std::string& asset_id);
 
     // plan → fetch → decode; the decoded level has the plan's triangles, or it is an error.
     Result<Loaded> load(const proto::PlanRequest& request);

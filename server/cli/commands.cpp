@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "proto/records.h"
+#include "proto/tileset.h"
 #include "server/bake/bake.h"
 #include "server/bake/points.h"
 #include "server/bake/stopwatch.h"
@@ -16,7 +17,6 @@
 #include "server/cli/files.h"
 #include "server/cli/progress_bar.h"
 #include "server/http/http_server.h"
-#include "server/http/tileset.h"
 #include "server/importer/importer.h"
 #include "server/planner/planner.h"
 #include "server/samples/samples.h"
@@ -251,17 +251,17 @@ Status tileset(const TilesetArguments& arguments) {
     if (!asset) return asset.error();
     Result<bake::TileTree> tiles = bake::load_tiles(*store, *asset);
     if (!tiles) return tiles.error();
-    const auto uri = [](std::size_t tile) { return "tile-" + std::to_string(tile) + ".glb"; };
     std::uint64_t bytes = 0;
     for (std::size_t i = 0; i < tiles->nodes.size(); ++i) {
         Result<store::StoredFile> file = store->file(tiles->hashes[i], "glb");
         if (!file) return file.error();
         Result<std::vector<std::byte>> content = store::read_file(file->path, file->bytes);
         if (!content) return content.error();
-        if (Status written = write_file(arguments.out / uri(i), *content); !written) return written.error();
+        tiles->hashes[i] = "tile-" + std::to_string(i) + ".glb";
+        if (Status written = write_file(arguments.out / tiles->hashes[i], *content); !written) return written.error();
         bytes += content->size();
     }
-    const std::string json = http::tileset_json(tiles->nodes, uri);
+    const std::string json = proto::to_json({tiles->nodes, tiles->hashes, tiles->bytes});
     if (Status written = write_file(arguments.out / "tileset.json", std::as_bytes(std::span(json))); !written)
         return written.error();
     std::printf("%s: %zu tiles, %llu bytes\n", (arguments.out / "tileset.json").c_str(), tiles->nodes.size(),

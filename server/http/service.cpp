@@ -8,12 +8,12 @@
 #include <set>
 
 #include "proto/openapi.h"
+#include "proto/tileset.h"
 #include "server/bake/bake.h"
 #include "server/bake/tile_tree.h"
 #include "server/http/byte_range.h"
 #include "server/http/metrics.h"
 #include "server/http/page.h"
-#include "server/http/tileset.h"
 
 namespace lodestream::http {
 
@@ -371,10 +371,11 @@ Response Service::Impl::delete_asset(Request&, const std::string& id) {
 Response Service::Impl::tileset(Request&, const std::string& id) {
     const auto asset = store.asset(id);
     if (!asset) return respond(asset.error());
-    const auto tiles = bake::load_tiles(store, *asset);
+    auto tiles = bake::load_tiles(store, *asset);
     if (!tiles) return respond(tiles.error());
-    const auto uri = [&](std::size_t tile) { return bake::content_url(tiles->hashes[tile]); };
-    return respond(json_type, tileset_json(tiles->nodes, uri));
+    for (std::string& hash : tiles->hashes) hash = bake::content_url(hash);
+    return respond(json_type,
+                   proto::to_json({std::move(tiles->nodes), std::move(tiles->hashes), std::move(tiles->bytes)}));
 }
 
 Response Service::Impl::create_plan(Request& request, const std::string&) {

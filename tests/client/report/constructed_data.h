@@ -59,6 +59,8 @@ inline AssetResult asset_result(const std::string& name) {
             rung.drawn.push_back({device.device, 4.0, 0.5, {0.1 * static_cast<double>(i), 0.0}});
         out.ladder.push_back(rung);
     }
+    out.asset.hierarchy = proto::Hierarchy{12, 3, 2'000, 9'000, 0.5, 40.0};
+    out.hlod = {{480, 470, 1, 900, 9.0, 1.5, {6.0, 2.0}}, {1'920, 1'900, 4, 3'000, 3.0, 2.5, {2.0, 0.5}}};
     out.split_device = "desktop";
     for (const double d : {0.0, 0.5, 1.0})
         out.split.push_back(

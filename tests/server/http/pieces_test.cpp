@@ -7,7 +7,6 @@
 #include "server/http/byte_range.h"
 #include "server/http/metrics.h"
 #include "server/http/target.h"
-#include "server/http/tileset.h"
 
 namespace lodestream::http {
 namespace {
@@ -75,60 +74,6 @@ TEST(EntityTag, ComparesWeakly) {
     EXPECT_FALSE(names_etag("\"ab\"", "\"a\""));
     EXPECT_FALSE(names_etag("a", "\"a\""));
     EXPECT_FALSE(names_etag("", "\"a\""));
-}
-
-scene::LodNode tile(double error, std::uint32_t parent, std::uint32_t first_child, std::uint32_t child_count) {
-    scene::LodNode node;
-    node.box.add({1.0, 2.0, 3.0});
-    node.box.add({3.0, 6.0, 13.0});
-    node.error = error;
-    node.parent = parent;
-    node.first_child = first_child;
-    node.child_count = child_count;
-    return node;
-}
-
-nlohmann::json parsed_tileset(const scene::LodTree& tree) {
-    return nlohmann::json::parse(tileset_json(tree, [](std::size_t i) { return std::to_string(i) + ".glb"; }));
-}
-
-TEST(Tileset, IsTheTreeWithItsErrors) {
-    const auto tileset =
-        parsed_tileset({tile(2.0, scene::none, 1, 2), tile(0.5, 0, 3, 1), tile(0.0, 0, 0, 0), tile(0.25, 1, 0, 0)});
-    EXPECT_EQ(tileset["asset"]["version"], "1.1");
-    const auto& root = tileset["root"];
-    EXPECT_GT(tileset["geometricError"], root["geometricError"]);
-    EXPECT_EQ(root["refine"], "REPLACE");
-    EXPECT_EQ(root["geometricError"], 2.0);
-    EXPECT_EQ(root["content"]["uri"], "0.glb");
-    ASSERT_EQ(root["children"].size(), 2u);
-    EXPECT_EQ(root["children"][0]["content"]["uri"], "1.glb");
-    EXPECT_EQ(root["children"][0]["children"][0]["geometricError"], 0.25);
-    EXPECT_EQ(root["children"][1]["content"]["uri"], "2.glb");
-    EXPECT_FALSE(root["children"][1].contains("children"));
-}
-
-TEST(Tileset, TurnsTheBoxToZUp) {
-    const auto tileset = parsed_tileset({tile(0.0, scene::none, 0, 0)});
-    const std::vector<double> box = tileset["root"]["boundingVolume"]["box"];
-    EXPECT_EQ(box, (std::vector<double>{2, -8, 4, 1, 0, 0, 0, 5, 0, 0, 0, 2}));
-}
-
-TEST(Tileset, StaysFiniteAtTheEdgesOfDouble) {
-    scene::LodNode node = tile(0.0, scene::none, 0, 0);
-    node.box.add({-1.5e308, 0.0, 0.0});
-    node.box.add({1.5e308, 0.0, 0.0});
-    const auto tileset = parsed_tileset({node});
-    EXPECT_EQ(tileset["root"]["boundingVolume"]["box"][3], 1.5e308);
-    EXPECT_TRUE(tileset["geometricError"].is_number());
-}
-
-TEST(Tileset, ChainOfAHundredThousandTilesNeedsNoStack) {
-    scene::LodTree tree;
-    for (std::uint32_t i = 0; i < 100'000; ++i) tree.push_back(tile(1.0, i == 0 ? scene::none : i - 1, i + 1, 1));
-    tree.back() = tile(1.0, 99'998, 0, 0);
-    const std::string json = tileset_json(tree, [](std::size_t) { return std::string("t.glb"); });
-    EXPECT_EQ(std::count(json.begin(), json.end(), '{'), std::count(json.begin(), json.end(), '}'));
 }
 
 TEST(Metrics, GivesEachFamilyOnceWithItsType) {

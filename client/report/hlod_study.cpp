@@ -1,0 +1,119 @@
+#include "client/report/hlod_study.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "common/scene/select.h"
+
+namespace lodestream::report {
+namespace {
+
+constexpr double near_share = 1e-3;  // of the distance to what is looked at
+constexpr double along_up_share = 1.0 - 1e-6;
+
+scene::View scene_view(const shading::View& from, const render::Image& canvas) {
+    scene::View view;
+    view.eye = from.eye;
+    view.target = from.target;
+    const Vec3d forward = normalize(from.target - from.eye);
+    if (std::abs(forward.y) > along_up_share) view.up = {1.0, 0.0, 0.0};
+    view.fov_y_deg = from.fov_y_deg;
+    view.width = canvas.width;
+    view.height = canvas.height;
+    view.near = near_share * distance(from.eye, from.target);
+    return view;
+}
+
+// Behind what is there already. pre: the same origin
+void append(codec::Decoded& to, const codec::Decoded& tile) {
+    const auto first_material = static_cast<std::uint32_t>(to.materials.size());
+    const auto first_image = static_cast<int>(to.images.size());
+    for (mesh::Material material : tile.materials) {
+        for (mesh::TextureReference* texture : {&material.base_color_texture, &material.metallic_roughness_texture,
+                                                &material.occlusion_texture, &material.emissive_texture})
+            if (texture->image >= 0) texture->image += first_image;
+        to.materials.push_back(std::move(material));
+    }
+    to.images.insert(to.images.end(), tile.images.begin(), tile.images.end());
+    for (codec::Primitive primitive : tile.primitives) {
+        primitive.material += first_material;
+        to.primitives.push_back(std::move(primitive));
+    }
+    to.origin = tile.origin;
+}
+
+class Tiles {
+  public:
+    Tiles(sdk::Client& client, proto::Tileset tileset) : client_(client), tileset_(std::move(tileset)) {}
+
+    const scene::LodTree& tree() const { return tileset_.nodes; }
+
+    Result<codec::Decoded> joined(const std::vector<std::uint32_t>& tiles) {
+        codec::Decoded all;
+        for (const std::uint32_t tile : tiles) {
+            auto known = decoded_.find(tile);
+            if (known == decoded_.end()) {
+                Result<std::vector<std::byte>> glb = client_.fetch(tileset_.uris[tile], tileset_.bytes[tile]);
+                if (!glb) return glb.error();
+                Result<codec::Decoded> decoded = codec::decode_level(*glb);
+                if (!decoded) return decoded.error();
+                known = decoded_.emplace(tile, *std::move(decoded)).first;
+            }
+            append(all, known->second);
+        }
+        return all;
+    }
+    std::uint64_t bytes(const std::vector<std::uint32_t>& tiles) const {
+        std::uint64_t sum = 0;
+        for (const std::uint32_t tile : tiles) sum += tileset_.bytes[tile];
+        return sum;
+    }
+
+  private:
+    sdk::Client& client_;
+    proto::Tileset tileset_;
+    std::map<std::uint32_t, codec::Decoded> decoded_;
+};
+
+}  // namespace
+
+Result<std::vector<HlodSample>> study_hlod(sdk::Client& client, render::Renderer& renderer, const proto::Asset& asset,
+                                           const shading::View& view, const render::Image& full, std::uint32_t frames) {
+    Result<proto::Tileset> tileset = client.tileset(asset.id);
+    if (!tileset) return tileset.error();
+    Tiles tiles(client, *std::move(tileset));
+    const scene::View seen = scene_view(view, full);
+    if (Status valid = scene::validate(seen); !valid) return valid.error();
+    render::DrawOptions drawing;
+    drawing.width = full.width;
+    drawing.height = full.height;
+    drawing.samples = 1;
+    drawing.frames = std::max(1u, frames);
+    std::vector<HlodSample> samples;
+    for (const std::uint64_t budget : hlod_budgets) {
+        scene::SelectOptions options;
+        options.budget = budget;
+        const scene::Selection selection = scene::select(tiles.tree(), seen, options);
+        HlodSample sample;
+        sample.budget = budget;
+        sample.tiles = selection.nodes.size();
+        sample.bytes = tiles.bytes(selection.nodes);
+        sample.error_px = selection.largest_error_px;
+        const Result<codec::Decoded> content = tiles.joined(selection.nodes);
+        if (!content) return content.error();
+        if (auto uploaded = renderer.upload(*content); !uploaded) return uploaded.error();
+        const Result<render::Frame> frame = renderer.draw(view, drawing);
+        if (!frame) return frame.error();
+        const Result<render::Difference> difference = render::compare(full, frame->image);
+        if (!difference) return difference.error();
+        sample.triangles = frame->triangles;
+        sample.frame_ms = frame->frame_ms;
+        sample.image = {100.0 * difference->rms / 255.0, difference->silhouette_percent};
+        const bool is_new = samples.empty() || samples.back().triangles != sample.triangles;
+        if (is_new) samples.push_back(sample);
+    }
+    return samples;
+}
+
+}  // namespace lodestream::report

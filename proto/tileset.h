@@ -1,0 +1,34 @@
+// A tree of levels as a 3D Tiles 1.1 tileset, each tile replacing those below it.
+// Source: OGC 3D Tiles 1.1 (22-025r4), 7.2 "Geometric error" and 7.4 "Refinement".
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/scene/lod_tree.h"
+
+namespace lodestream::proto {
+
+struct Tileset {
+    scene::LodTree nodes;              // boxes in world axes, y up
+    std::vector<std::string> uris;     // of each node's content
+    std::vector<std::uint64_t> bytes;  // of each node's content; 0: not known
+};
+
+// A tile's geometricError is its level's maximum error; its `extras` tell `triangles` and `bytes`, so that a client can
+// keep to a budget before it has fetched anything. glTF is y up and tiles are z up: (x, y, z) becomes (x, -z, y).
+// pre: validate(tileset.nodes), as many uris and bytes
+std::string to_json(const Tileset& tileset);
+
+inline constexpr std::size_t max_tileset_depth = 200;  // of its JSON: about half as many tiles
+inline constexpr std::size_t max_tiles = 1'000'000;
+
+// Reads what to_json() wrote and other tilesets of its kind: boxes, one content a tile, replacement. Boxes are made to
+// hold those of their children, and errors not to be below theirs. Hostile text. Errors: invalid_input (names the
+// tile), unsupported (other volumes, additive refinement, tiles without content), limit_exceeded.
+Result<Tileset> parse_tileset(std::string_view json);
+
+}  // namespace lodestream::proto
