@@ -4,6 +4,8 @@
 #include <limits>
 #include <numeric>
 
+#include "common/mesh/nearest.h"
+
 namespace lodestream::metric {
 
 namespace {
@@ -124,6 +126,13 @@ TriangleTree::Hit TriangleTree::nearest(const Vec3d& point, double bound) const 
         if (near.distance < hit.squared_distance) open[depth++] = near;
     }
     return hit;
+}
+
+SurfacePlace nearest_place(const TriangleTree& tree, const mesh::Mesh& mesh, const Vec3d& point) {
+    const TriangleTree::Hit hit = tree.nearest(point, std::numeric_limits<double>::infinity());
+    const mesh::Triangle& t = mesh.triangles[tree.order()[hit.triangle]];
+    return {t, mesh::nearest_weights(point, Vec3d(mesh.positions[t[0]]), Vec3d(mesh.positions[t[1]]),
+                                     Vec3d(mesh.positions[t[2]]))};
 }
 
 }  // namespace lodestream::metric

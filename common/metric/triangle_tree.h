@@ -58,6 +58,15 @@ class TriangleTree {
     std::vector<std::uint32_t> order_;
 };
 
+// A place of a mesh's surface.
+struct SurfacePlace {
+    mesh::Triangle triangle{};
+    Vec3d weights{1.0, 0.0, 0.0};  // of its corners, in [0, 1], of sum 1
+};
+
+// The place of `mesh` nearest to a finite point. pre: `tree` was built from `mesh`, which has triangles
+SurfacePlace nearest_place(const TriangleTree& tree, const mesh::Mesh& mesh, const Vec3d& point);
+
 // Squared distance from a point to a triangle, to its sides where it has no area.
 double squared_distance(const TriangleTree::Corners& triangle, const Vec3d& point);
 

@@ -4,9 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
-#include "common/mesh/nearest.h"
 #include "common/mesh/operations.h"
 #include "common/metric/triangle_tree.h"
 
@@ -51,12 +49,8 @@ std::vector<Place> places_on(const mesh::Mesh& level, const mesh::Mesh& source) 
     const double mean = total / static_cast<double>(level.triangles.size());
     const auto add = [&](std::size_t t, const Vec3d& weights, double area) {
         const Vec3d point = position_at(level, level.triangles[t], weights);
-        const auto hit = tree.nearest(point, std::numeric_limits<double>::infinity());
-        if (hit.triangle == metric::TriangleTree::no_triangle) return;
-        const mesh::Triangle& near = source.triangles[tree.order()[hit.triangle]];
-        const Vec3d at = mesh::nearest_weights(point, Vec3d(source.positions[near[0]]),
-                                               Vec3d(source.positions[near[1]]), Vec3d(source.positions[near[2]]));
-        places.push_back({t, weights, area, color_at(source, near, at)});
+        const metric::SurfacePlace near = metric::nearest_place(tree, source, point);
+        places.push_back({t, weights, area, color_at(source, near.triangle, near.weights)});
     };
     for (std::size_t t = 0; t < areas.size(); ++t) {
         const double wanted = std::sqrt(places_per_triangle * areas[t] / mean);

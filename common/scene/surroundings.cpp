@@ -5,7 +5,6 @@
 #include <cassert>
 #include <limits>
 
-#include "common/mesh/nearest.h"
 #include "common/mesh/operations.h"
 #include "common/metric/triangle_tree.h"
 
@@ -24,8 +23,8 @@ double longest_side(const Box& box) {
     return std::max({extent.x, extent.y, extent.z});
 }
 
-double size_of_cells(const mesh::Mesh& mesh, std::uint32_t cells) {
-    const double longest = longest_side(mesh::bounds(mesh));
+double size_of_cells(const Box& box, std::uint32_t cells) {
+    const double longest = longest_side(box);
     return longest > 0.0 ? longest / std::clamp(cells, min_cells, max_cells) : 1.0;
 }
 
@@ -68,10 +67,10 @@ Vec3f facing(const Vec3f& normal, const Vec3d& outwards) {
 }  // namespace
 
 Surroundings::Surroundings(const mesh::Mesh& mesh, std::uint32_t cells)
-    : mesh_(mesh),
-      low_(mesh::bounds(mesh).min),
-      cell_size_(size_of_cells(mesh, cells)),
-      outside_(mesh::bounds(mesh).extent(), cell_size_) {
+    : Surroundings(mesh, mesh::bounds(mesh), cells) {}
+
+Surroundings::Surroundings(const mesh::Mesh& mesh, const Box& box, std::uint32_t cells)
+    : mesh_(mesh), low_(box.min), cell_size_(size_of_cells(box, cells)), outside_(box.extent(), cell_size_) {
     assert(!mesh.triangles.empty());
     const double spacing = cell_size_ / samples_per_cell;
     const auto corners = [&](const mesh::Triangle& t) {
@@ -144,10 +143,7 @@ mesh::Mesh Surroundings::wrapped() const {
     mesh::Mesh out;
     for (std::size_t i = 0; i < corners.size(); ++i) {
         const Vec3d point = low_ + Vec3d(corners[i][0], corners[i][1], corners[i][2]) * cell_size_;
-        const auto hit = tree.nearest(point, std::numeric_limits<double>::infinity());
-        const mesh::Triangle& t = seen.triangles[tree.order()[hit.triangle]];
-        const Vec3d w = mesh::nearest_weights(point, Vec3d(seen.positions[t[0]]), Vec3d(seen.positions[t[1]]),
-                                              Vec3d(seen.positions[t[2]]));
+        const auto [t, w] = metric::nearest_place(tree, seen, point);
         out.positions.push_back(blend(seen.positions, t, w));
         // At an edge of the grid's where two outsides meet, the faces' directions may cancel out.
         const Vec3d away = outwards[i] == Vec3d(0.0) ? Vec3d(0.0, 1.0, 0.0) : outwards[i];

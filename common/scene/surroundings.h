@@ -32,6 +32,7 @@ class Surroundings {
     mesh::Mesh wrapped() const;
 
   private:
+    Surroundings(const mesh::Mesh& mesh, const Box& box, std::uint32_t cells);
     Vec3d place(const Vec3f& position) const { return Vec3d(position) - low_; }
     template <class Visit>
     void for_each_face(Visit visit) const;

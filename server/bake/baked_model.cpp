@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "common/mesh/operations.h"
 #include "server/bake/stored_form.h"
@@ -13,8 +12,7 @@ namespace lodestream::bake {
 
 namespace {
 
-constexpr char magic[] = "LODBAKE2";
-constexpr std::size_t magic_bytes = sizeof(magic) - 1;
+constexpr std::string_view magic = "LODBAKE2";
 template <class Stream, class Baked>
 void describe_all(Stream& stream, Baked& baked) {
     auto& model = baked.model;
@@ -107,16 +105,14 @@ void set_history(BakedModel& baked, simplify::History history) {
 
 std::vector<std::byte> serialize(const BakedModel& baked) {
     Writer writer;
-    writer.raw(magic, magic_bytes);
+    writer.magic(magic);
     describe_all(writer, baked);
     return std::move(writer.bytes);
 }
 
 Result<BakedView> open_baked_model(std::span<const std::byte> bytes) {
     Reader reader(bytes);
-    char found[magic_bytes] = {};
-    reader.raw(found, magic_bytes);
-    if (!reader.ok() || std::memcmp(found, magic, magic_bytes) != 0) return damaged("it does not start with LODBAKE2");
+    if (!reader.magic(magic)) return damaged("it does not start with LODBAKE2");
     BakedView baked;
     describe_all(reader, baked);
     if (!reader.ok()) return damaged("it ends too early");

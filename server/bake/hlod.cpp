@@ -178,7 +178,7 @@ class TileMaker {
         const metric::SurfaceIndex original(source, samples_of(source));
         std::vector<Source> sources;
         sources.push_back({std::move(source), false});
-        return add_levels(index, original, std::move(sources), counts, executor);
+        return add_levels(index, original, {}, std::move(sources), counts, executor);
     }
 
     // Tiles are cut from what is seen of the tiles below, or from the surface wrapped around it.
@@ -192,7 +192,9 @@ class TileMaker {
         const scene::Surroundings around(painted_below, cells_for(painted_below, counts.front()));
         std::vector<Source> sources;
         sources.push_back({mesh::compact(mesh::part(below.mesh, around.visible_triangles())), below.is_painted});
+        mesh::Mesh colored;
         if (can_paint_) {
+            colored = mesh::part(painted_below, around.visible_triangles());
             mesh::Mesh wrapped = around.wrapped();
             wrapped.triangle_materials.assign(wrapped.triangles.size(), painted_material());
             if (!wrapped.triangles.empty()) sources.push_back({std::move(wrapped), true});
@@ -200,7 +202,7 @@ class TileMaker {
         below = {};
         metric::SurfaceIndex original(sources.front().mesh, samples_of(sources.front().mesh));
         original.keep_samples([&](const Vec3f& position) { return around.sees(position); });
-        return add_levels(index, original, std::move(sources), counts, executor);
+        return add_levels(index, original, colored, std::move(sources), counts, executor);
     }
 
     Source joined_children(std::uint32_t index) {
@@ -251,13 +253,12 @@ class TileMaker {
         }
     }
 
-    // Adds a tile of each of these counts, each on top of the one before, from the source that shows the first one
-    // best.
-    Status add_levels(std::uint32_t index, const metric::SurfaceIndex& original, std::vector<Source> sources,
-                      const std::vector<std::uint64_t>& counts, const simplify::Executor& executor) {
+    // Adds a tile of each of these counts, each on top of the one before, from the source that shows that count best.
+    // `original`: of the first source; `colored`: the first source painted, where any is painted.
+    Status add_levels(std::uint32_t index, const metric::SurfaceIndex& original, const mesh::Mesh& colored,
+                      std::vector<Source> sources, const std::vector<std::uint64_t>& counts,
+                      const simplify::Executor& executor) {
         const mesh::Mesh seen = sources.front().mesh;
-        const bool has_painted = sources.back().is_painted;
-        const mesh::Mesh colored = !has_painted ? mesh::Mesh{} : sources.front().is_painted ? seen : painted(seen);
         std::vector<simplify::History> histories;
         for (Source& source : sources) {
             simplify::RecordOptions options;

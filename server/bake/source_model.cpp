@@ -9,8 +9,7 @@ namespace lodestream::bake {
 
 namespace {
 
-constexpr char magic[] = "LODMODL2";
-constexpr std::size_t magic_bytes = sizeof(magic) - 1;
+constexpr std::string_view magic = "LODMODL2";
 
 template <class Stream, class Model>
 void describe_model(Stream& stream, Model& model) {
@@ -65,18 +64,18 @@ bool is_sound(const mesh::Model& model) {
 
 std::vector<std::byte> serialize(const mesh::Model& model) {
     Writer writer;
-    writer.raw(magic, magic_bytes);
+    writer.magic(magic);
     describe_model(writer, model);
     return std::move(writer.bytes);
 }
 
 Result<mesh::Model> open_source_model(std::span<const std::byte> bytes) {
     Reader reader(bytes);
-    char found[magic_bytes] = {};
-    reader.raw(found, magic_bytes);
     mesh::Model model;
-    if (reader.ok() && std::memcmp(found, magic, magic_bytes) == 0) describe_model(reader, model);
-    if (!reader.ok() || !reader.at_end() || !is_sound(model)) return invalid_input("the stored model is damaged");
+    const bool is_model = reader.magic(magic);
+    if (is_model) describe_model(reader, model);
+    if (!is_model || !reader.ok() || !reader.at_end() || !is_sound(model))
+        return invalid_input("the stored model is damaged");
     return model;
 }
 

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -38,6 +39,7 @@ class Writer {
         const auto* begin = static_cast<const std::byte*>(data);
         bytes.insert(bytes.end(), begin, begin + size);
     }
+    void magic(std::string_view name) { raw(name.data(), name.size()); }
     template <class T>
     void operator()(const T& value) {
         static_assert(std::is_trivially_copyable_v<T>);
@@ -79,6 +81,12 @@ class Reader {
         }
         if (size > 0) std::memcpy(data, rest_.data(), size);
         rest_ = rest_.subspan(size);
+    }
+    // Whether it goes on with this; read either way.
+    bool magic(std::string_view name) {
+        std::string found(name.size(), '\0');
+        raw(found.data(), found.size());
+        return ok_ && found == name;
     }
     template <class T>
     void operator()(T& value) {

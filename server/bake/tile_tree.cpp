@@ -9,8 +9,7 @@ namespace lodestream::bake {
 
 namespace {
 
-constexpr char magic[] = "LODTILE1";
-constexpr std::size_t magic_bytes = sizeof(magic) - 1;
+constexpr std::string_view magic = "LODTILE1";
 constexpr std::size_t hash_digits = 64;
 constexpr std::string_view content_prefix = "/v1/content/";
 
@@ -64,7 +63,7 @@ TileTree chain_of_levels(const proto::Asset& asset) {
 
 std::vector<std::byte> serialize(const TileTree& tree) {
     Writer writer;
-    writer.raw(magic, magic_bytes);
+    writer.magic(magic);
     writer(static_cast<std::uint64_t>(tree.nodes.size()));
     for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
         describe_node(writer, tree.nodes[i]);
@@ -76,9 +75,7 @@ std::vector<std::byte> serialize(const TileTree& tree) {
 
 Result<TileTree> open_tile_tree(std::span<const std::byte> bytes) {
     Reader reader(bytes);
-    char found[magic_bytes] = {};
-    reader.raw(found, magic_bytes);
-    if (!reader.ok() || std::memcmp(found, magic, magic_bytes) != 0) return damaged("they do not start with LODTILE1");
+    if (!reader.magic(magic)) return damaged("they do not start with LODTILE1");
     std::uint64_t count = 0;
     reader(count);
     TileTree tree;

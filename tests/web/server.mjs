@@ -1,9 +1,14 @@
 // Starts the real server for a test, and fetches what it serves.
 import { spawn } from "node:child_process";
-import { mkdtemp, readFile, rm } from "node:fs/promises";
+import { existsSync } from "node:fs";
+import { cp, mkdtemp, readFile, rm } from "node:fs/promises";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import path from "node:path";
+import { fileURLToPath } from "node:url";
+
+export const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
+const shared_data = process.env.LODESTREAM_DATA ?? path.join(root, "../shared/data");
 
 const progress_limit_ms = 400_000;
 const poll_ms = 250;
@@ -45,6 +50,12 @@ async function baked(url, child) {
     await pause(poll_ms);
   }
   throw new Error(`no bake went on for ${progress_limit_ms / 1000} s: ${baking}`);
+}
+
+// Copies models of the shared data to a folder; where that is not here, it says that the samples alone are used.
+export async function copy_models(models, folder) {
+  if (!existsSync(shared_data)) return console.log(`${shared_data} is not here: the samples alone are checked`);
+  for (const model of models) await cp(path.join(shared_data, model), path.join(folder, path.basename(model)));
 }
 
 // Runs `use(url)` against a server with the samples and, where given, the models of a folder.

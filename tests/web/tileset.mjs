@@ -2,30 +2,19 @@
 // (CesiumJS on large scenes: to its usual error, for it draws slowly without a GPU), far ones are not, every leaf is
 // covered once, and the finest picture is that of the whole model.
 //   node tests/web/tileset.mjs LODESTREAM_SERVER [FOLDER_FOR_PICTURES]
-import { existsSync } from "node:fs";
-import { cp, mkdir, mkdtemp, rm, writeFile } from "node:fs/promises";
+import { mkdir, mkdtemp, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import path from "node:path";
-import { fileURLToPath } from "node:url";
 
 import { open_browser, open_page, serve_pages } from "./browser.mjs";
-import { list_assets, with_server } from "./server.mjs";
+import { copy_models, list_assets, with_server } from "./server.mjs";
 
-const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
-const shared_data = process.env.LODESTREAM_DATA ?? path.join(root, "../shared/data");
 const models = ["gltf/pins_instances.glb", "scene/2CylinderEngine.glb", "scene/CesiumMilkTruck.glb"];
 
 const finest_px = 1e-3, usual_px = 16;
 const most_leaves_in_cesium = 30;
 const most_silhouette = 0.002; // of the pixels that show something: edges fall between pixels differently
 const most_color = 0.02;
-
-async function copy_models(folder) {
-  await mkdir(folder, { recursive: true });
-  const found = models.map((model) => path.join(shared_data, model)).filter((file) => existsSync(file));
-  if (found.length === 0) console.log(`${shared_data} is not here: the ship alone is shown`);
-  for (const file of found) await cp(file, path.join(folder, path.basename(file)));
-}
 
 function* tiles_below(tile) {
   yield tile;
@@ -108,7 +97,7 @@ async function check_tilesets(url, pictures) {
 const [server_program, pictures] = process.argv.slice(2);
 const folder = await mkdtemp(path.join(tmpdir(), "lodestream-scenes-"));
 try {
-  await copy_models(folder);
+  await copy_models(models, folder);
   if (pictures) await mkdir(pictures, { recursive: true });
   process.exitCode = (await with_server(server_program, folder, (url) => check_tilesets(url, pictures))) > 0 ? 1 : 0;
 } finally {

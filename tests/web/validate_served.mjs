@@ -1,18 +1,13 @@
 // The real server bakes the samples and a few telling models; every ladder level and the plans of the four devices are judged,
 // and lean and plain levels of the samples are weighed.
 //   node tests/web/validate_served.mjs LODESTREAM_SERVER GLB_INSPECT
-import { existsSync } from "node:fs";
-import { cp, mkdir, mkdtemp, readdir, rm } from "node:fs/promises";
+import { mkdtemp, readdir, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import path from "node:path";
-import { fileURLToPath } from "node:url";
 
 import { check_bytes } from "./bytes.mjs";
-import { collect_levels, collect_plans, list_assets, with_server } from "./server.mjs";
+import { collect_levels, collect_plans, copy_models, list_assets, root, with_server } from "./server.mjs";
 import { check_glbs } from "./validate.mjs";
-
-const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
-const shared_data = process.env.LODESTREAM_DATA ?? path.join(root, "../shared/data");
 
 const models = [
   "gltf/Duck.glb", // textured, UV seams
@@ -28,15 +23,6 @@ const models = [
   "classic/dragon_11k_res4.ply", // non-manifold
   "terrain/stubai_10m_georef_window.obj", // far from the origin
 ];
-
-async function copy_models(folder) {
-  if (!existsSync(shared_data)) {
-    console.log(`${shared_data} is not here: the samples alone are checked`);
-    return;
-  }
-  await mkdir(folder, { recursive: true });
-  for (const model of models) await cp(path.join(shared_data, model), path.join(folder, path.basename(model)));
-}
 
 function distinct(glbs) {
   return [...new Map(glbs.map((glb) => [glb.bytes.toString("latin1"), glb])).values()];
@@ -55,7 +41,7 @@ async function check_served(url, inspect_program) {
 const [server_program, inspect_program] = process.argv.slice(2);
 const folder = await mkdtemp(path.join(tmpdir(), "lodestream-models-"));
 try {
-  await copy_models(folder);
+  await copy_models(models, folder);
   const bad = await with_server(server_program, folder, (url) => check_served(url, inspect_program));
   process.exitCode = bad > 0 ? 1 : 0;
 } finally {
