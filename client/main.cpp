@@ -63,6 +63,9 @@ int run(int argc, char** argv) {
         ->check(CLI::IsMember({"hybrid", "gouraud", "flat"}));
     view_app->add_option("--profile", view.profile, "lean: fewer bytes, for this client; plain: what any viewer reads")
         ->check(CLI::IsMember({"plain", "lean"}));
+    view_app
+        ->add_option("--primitives", view.primitives, "What the level may be made of: points for the weakest devices")
+        ->check(CLI::IsMember({"triangles", "points", "any"}));
     view_app->add_flag("--json", view.json, "Print plan, triangles, bytes and times as JSON");
     view_app->footer(
         "Example:\n  lodestream-client view --server http://127.0.0.1:8080 --asset teapot \\\n"

@@ -19,6 +19,7 @@ constexpr std::uint32_t timed_frames = 5;
 
 struct Drawn {
     render::Frame frame;
+    render::UploadStatistics uploaded;
     std::string renderer;
 };
 
@@ -63,15 +64,21 @@ Result<proto::PlanRequest> make_request(sdk::Client& client, const ViewArguments
     if (!shading) return shading.error();
     request->asset = arguments.asset;
     request->shading = *shading;
+    if (arguments.primitives) {
+        const auto primitives = proto::parse_primitives(*arguments.primitives);
+        if (!primitives) return primitives.error();
+        request->primitives = *primitives;
+    }
     if (arguments.profile)
         request->profile = *arguments.profile == "lean" ? proto::Profile::lean : proto::Profile::plain;
     budget::Display display = request->budget.display.value_or(shading::default_display);
     display.width = arguments.width.value_or(display.width);
     display.height = arguments.height.value_or(display.height);
     request->budget.display = display;
-    if (request->view) return request;
     const auto asset = find_asset(client, arguments.asset);
     if (!asset) return asset.error();
+    if (asset->kind == "points") request->primitives = proto::Primitives::points;
+    if (request->view) return request;
     if (asset->bounds_min && asset->bounds_max) {
         const auto& low = *asset->bounds_min;
         const auto& high = *asset->bounds_max;
@@ -83,12 +90,12 @@ Result<proto::PlanRequest> make_request(sdk::Client& client, const ViewArguments
     return request;
 }
 
-Result<Drawn> draw(const codec::Decoded& content, const shading::View& view, const budget::Display& display) {
+Result<Drawn> draw(const sdk::Loaded& loaded, const shading::View& view, const budget::Display& display) {
     auto context = render::create_headless_context();
     if (!context) return context.error();
     auto renderer = render::Renderer::create();
     if (!renderer) return renderer.error();
-    const auto uploaded = renderer->upload(content);
+    const auto uploaded = loaded.points ? renderer->upload(*loaded.points) : renderer->upload(loaded.content);
     if (!uploaded) return uploaded.error();
     render::DrawOptions options;
     options.width = display.width;
@@ -96,7 +103,7 @@ Result<Drawn> draw(const codec::Decoded& content, const shading::View& view, con
     options.frames = timed_frames;
     auto frame = renderer->draw(view, options);
     if (!frame) return frame.error();
-    Result<Drawn> drawn(Drawn{*std::move(frame), context->renderer()});
+    Result<Drawn> drawn(Drawn{*std::move(frame), *uploaded, context->renderer()});
     drawn.warnings = uploaded.warnings;
     return drawn;
 }
@@ -119,9 +126,10 @@ std::string json_string(const std::string& text) {
 }
 
 void print_json(const sdk::Loaded& loaded, const Drawn& drawn, const ViewArguments& arguments) {
-    std::printf("{\"asset\":%s,\"plan\":%s,\"triangles\":%llu,\"bytes\":%llu,", json_string(arguments.asset).c_str(),
-                proto::to_json(loaded.plan).c_str(), static_cast<unsigned long long>(drawn.frame.triangles),
-                static_cast<unsigned long long>(loaded.bytes));
+    std::printf("{\"asset\":%s,\"plan\":%s,\"triangles\":%llu,\"points\":%llu,\"bytes\":%llu,",
+                json_string(arguments.asset).c_str(), proto::to_json(loaded.plan).c_str(),
+                static_cast<unsigned long long>(drawn.uploaded.triangles),
+                static_cast<unsigned long long>(drawn.uploaded.points), static_cast<unsigned long long>(loaded.bytes));
     std::printf("\"timing_ms\":{\"plan\":%.3f,\"fetch\":%.3f,\"decode\":%.3f},\"frame_ms\":%.3f,\"draw_calls\":%u,",
                 loaded.timing.plan_ms, loaded.timing.fetch_ms, loaded.timing.decode_ms, drawn.frame.frame_ms,
                 drawn.frame.draw_calls);
@@ -131,14 +139,18 @@ void print_json(const sdk::Loaded& loaded, const Drawn& drawn, const ViewArgumen
 
 void print_line(const sdk::Loaded& loaded, const Drawn& drawn, const ViewArguments& arguments) {
     const proto::PlanResponse& plan = loaded.plan;
-    std::printf(
-        "%s: %llu triangles (budget %llu by %s; %llu Gouraud, %llu flat), %llu bytes, error %.2f px, plan %.1f ms, "
-        "fetch %.1f ms, decode %.1f ms, frame %.1f ms → %s\n",
-        arguments.asset.c_str(), static_cast<unsigned long long>(plan.level.triangles),
-        static_cast<unsigned long long>(plan.budget.triangles), plan.budget.limited_by.c_str(),
-        static_cast<unsigned long long>(plan.shading.gouraud), static_cast<unsigned long long>(plan.shading.flat),
-        static_cast<unsigned long long>(loaded.bytes), plan.level.screen_space_error_px, loaded.timing.plan_ms,
-        loaded.timing.fetch_ms, loaded.timing.decode_ms, drawn.frame.frame_ms, arguments.out.string().c_str());
+    if (loaded.points)
+        std::printf("%s: %llu points (limited by %s)", arguments.asset.c_str(),
+                    static_cast<unsigned long long>(plan.level.points), plan.budget.limited_by.c_str());
+    else
+        std::printf("%s: %llu triangles (budget %llu by %s; %llu Gouraud, %llu flat)", arguments.asset.c_str(),
+                    static_cast<unsigned long long>(plan.level.triangles),
+                    static_cast<unsigned long long>(plan.budget.triangles), plan.budget.limited_by.c_str(),
+                    static_cast<unsigned long long>(plan.shading.gouraud),
+                    static_cast<unsigned long long>(plan.shading.flat));
+    std::printf(", %llu bytes, error %.2f px, plan %.1f ms, fetch %.1f ms, decode %.1f ms, frame %.1f ms → %s\n",
+                static_cast<unsigned long long>(loaded.bytes), plan.level.screen_space_error_px, loaded.timing.plan_ms,
+                loaded.timing.fetch_ms, loaded.timing.decode_ms, drawn.frame.frame_ms, arguments.out.string().c_str());
 }
 
 }  // namespace
@@ -151,9 +163,11 @@ Status view(const ViewArguments& arguments) {
     const auto loaded = client->load(*request);
     if (!loaded) return loaded.error();
     const budget::Display display = *request->budget.display;
-    const shading::View seen =
-        request->view ? *request->view : shading::framing_view(render::world_bounds(loaded->content));
-    const auto drawn = draw(loaded->content, seen, display);
+    const auto bounds = [&] {
+        return loaded->points ? render::world_bounds(*loaded->points) : render::world_bounds(loaded->content);
+    };
+    const shading::View seen = request->view ? *request->view : shading::framing_view(bounds());
+    const auto drawn = draw(*loaded, seen, display);
     if (!drawn) return drawn.error();
     if (auto written = render::write_png(arguments.out, drawn->frame.image); !written) return written;
     for (const std::string& warning : loaded->plan.warnings)

@@ -13,6 +13,7 @@ void read_device(const Fields& fields, budget::DeviceReport& device) {
     fields.read_name("gpu", device.gpu, {{"none", budget::Gpu::none}, {"discrete", budget::Gpu::discrete}});
     fields.read("memory_mb", device.memory_mb);
     fields.read("triangles_per_second", device.triangles_per_second);
+    fields.read("points_per_second", device.points_per_second);
 }
 
 budget::Display read_display(const Fields& fields) {
@@ -64,6 +65,8 @@ void read_circumstances(const Fields& fields, PlanRequest& request) {
     fields.read_name("profile", request.profile, {{"plain", Profile::plain}, {"lean", Profile::lean}});
     fields.read_name("shading", request.shading,
                      {{"hybrid", ShadingMode::hybrid}, {"gouraud", ShadingMode::gouraud}, {"flat", ShadingMode::flat}});
+    fields.read_name("primitives", request.primitives,
+                     {{"triangles", Primitives::triangles}, {"points", Primitives::points}, {"any", Primitives::any}});
 }
 
 Level read_level(const Fields& fields) {
@@ -176,10 +179,12 @@ Result<PlanResponse> parse_plan_response(std::string_view json) {
             budget->require("triangles", response.budget.triangles);
             budget->require("limited_by", response.budget.limited_by);
             budget->read("feasible", response.budget.feasible);
+            budget->read("points", response.budget.points);
         }
         if (const auto level = fields.object("level")) {
             level->require("triangles", response.level.triangles);
             level->read("vertices", response.level.vertices);
+            level->read("points", response.level.points);
             level->read("rms_error", response.level.rms_error);
             level->read("max_error", response.level.max_error);
             level->read("rms_error_percent", response.level.rms_error_percent);
@@ -200,6 +205,12 @@ Result<PlanResponse> parse_plan_response(std::string_view json) {
             content->require("bytes", response.content.bytes);
             content->read("media_type", response.content.media_type);
             content->read("profile", response.content.profile);
+        }
+        if (const auto crossing = fields.object("crossing")) {
+            Crossing& at = response.crossing.emplace();
+            crossing->require("distance", at.distance);
+            crossing->read("triangles_px", at.triangles_px);
+            crossing->read("points_px", at.points_px);
         }
         for (const Fields& item : fields.objects("left_out")) {
             LeftOut left_out;
@@ -250,6 +261,12 @@ Result<ShadingMode> parse_shading_mode(std::string_view name) {
     return invalid_input("shading must be hybrid, gouraud or flat, got \"" + std::string(name) + "\"");
 }
 
+Result<Primitives> parse_primitives(std::string_view name) {
+    for (const Primitives primitives : {Primitives::triangles, Primitives::points, Primitives::any})
+        if (name == primitives_name(primitives)) return primitives;
+    return invalid_input("primitives must be triangles, points or any, got \"" + std::string(name) + "\"");
+}
+
 const char* status_name(AssetStatus status) {
     switch (status) {
         case AssetStatus::baking:
@@ -276,6 +293,18 @@ const char* shading_mode_name(ShadingMode mode) {
             return "flat";
     }
     return "hybrid";
+}
+
+const char* primitives_name(Primitives primitives) {
+    switch (primitives) {
+        case Primitives::triangles:
+            return "triangles";
+        case Primitives::points:
+            return "points";
+        case Primitives::any:
+            return "any";
+    }
+    return "triangles";
 }
 
 Problem problem_of(const Error& error) {

@@ -21,6 +21,8 @@ enum class AssetStatus { baking, ready, failed };
 enum class Profile { plain, lean };
 // Which triangles get normals: the plan's split, or all or none of them (the two pure modes to compare with).
 enum class ShadingMode { hybrid, gouraud, flat };
+// What a level may be made of. `any`: what shows the smaller error in the view, and where neither shows, the cheaper.
+enum class Primitives { triangles, points, any };
 
 // One rung of an asset's ladder; 0 is the finest.
 struct Level {
@@ -69,11 +71,19 @@ struct PlanRequest {
     std::optional<shading::View> view;
     Profile profile = Profile::plain;
     ShadingMode shading = ShadingMode::hybrid;
+    Primitives primitives = Primitives::triangles;
 };
 
 struct LeftOut {
     std::string what;
     std::uint64_t bytes = 0;
+};
+
+// Points against triangles.
+struct Crossing {
+    double distance = 0.0;      // from the bounding sphere's centre, model units: from there on points are chosen
+    double triangles_px = 0.0;  // what each would show of its error in the view at hand
+    double points_px = 0.0;
 };
 
 struct PlanResponse {
@@ -84,10 +94,12 @@ struct PlanResponse {
         std::uint64_t triangles = 0;
         std::string limited_by;
         bool feasible = true;
+        std::optional<std::uint64_t> points;  // where points were allowed
     } budget;
     struct {
         std::uint64_t triangles = 0;
         std::uint64_t vertices = 0;
+        std::uint64_t points = 0;  // where the level is a cloud, which has no triangles
         double rms_error = 0.0;
         double max_error = 0.0;
         double rms_error_percent = 0.0;
@@ -98,7 +110,7 @@ struct PlanResponse {
         std::uint64_t gouraud = 0;
         std::uint64_t flat = 0;
         budget::Operations operations;
-        std::string mode;  // what was sent: "hybrid", "gouraud" or "flat"
+        std::string mode;  // what was sent: "hybrid", "gouraud", "flat" or "points"
     } shading;
     struct {
         std::string url;
@@ -106,6 +118,7 @@ struct PlanResponse {
         std::string media_type = "model/gltf-binary";
         std::string profile = "plain";
     } content;
+    std::optional<Crossing> crossing;  // where the request allows both and points win from some distance on
     std::vector<LeftOut> left_out;
     struct {
         double plan = 0.0;    // ms, all of it
@@ -146,6 +159,8 @@ Problem problem_of(const Error& error);  // ErrorCode to HTTP status and title
 const char* status_name(AssetStatus status);
 const char* profile_name(Profile profile);
 const char* shading_mode_name(ShadingMode mode);
+const char* primitives_name(Primitives primitives);
+Result<Primitives> parse_primitives(std::string_view name);
 Result<ShadingMode> parse_shading_mode(std::string_view name);
 
 }  // namespace lodestream::proto

@@ -69,6 +69,7 @@ Object object_of(const budget::DeviceReport& device) {
     object["gpu"] = device.gpu == budget::Gpu::discrete ? "discrete" : "none";
     object["memory_mb"] = or_null(device.memory_mb);
     object["triangles_per_second"] = or_null(device.triangles_per_second);
+    if (device.points_per_second) object["points_per_second"] = *device.points_per_second;
     return object;
 }
 
@@ -96,6 +97,7 @@ std::string to_json(const PlanRequest& request) {
                           {"light", vector_of(request.view->light)}};
     object["profile"] = profile_name(request.profile);
     object["shading"] = shading_mode_name(request.shading);
+    object["primitives"] = primitives_name(request.primitives);
     return print(object);
 }
 
@@ -104,32 +106,39 @@ std::string to_json(const PlanResponse& response) {
     for (const LeftOut& item : response.left_out) left_out.push_back({{"what", item.what}, {"bytes", item.bytes}});
     const auto& [budget, level, shading, content, timing] =
         std::tie(response.budget, response.level, response.shading, response.content, response.timing_ms);
-    return print({{"dlr", response.dlr},
-                  {"ncp", response.ncp},
-                  {"rup", or_null(response.rup)},
-                  {"budget",
-                   {{"triangles", budget.triangles}, {"limited_by", budget.limited_by}, {"feasible", budget.feasible}}},
-                  {"level",
-                   {{"triangles", level.triangles},
-                    {"vertices", level.vertices},
-                    {"rms_error", level.rms_error},
-                    {"max_error", level.max_error},
-                    {"rms_error_percent", level.rms_error_percent},
-                    {"screen_space_error_px", level.screen_space_error_px}}},
-                  {"shading",
-                   {{"distance", shading.distance},
-                    {"gouraud", shading.gouraud},
-                    {"flat", shading.flat},
-                    {"operations", {{"criterion", shading.operations.criterion}, {"total", shading.operations.total}}},
-                    {"mode", shading.mode}}},
-                  {"content",
-                   {{"url", content.url},
-                    {"bytes", content.bytes},
-                    {"media_type", content.media_type},
-                    {"profile", content.profile}}},
-                  {"left_out", std::move(left_out)},
-                  {"timing_ms", {{"plan", timing.plan}, {"cut", timing.cut}, {"encode", timing.encode}}},
-                  {"warnings", response.warnings}});
+    Object object{
+        {"dlr", response.dlr},
+        {"ncp", response.ncp},
+        {"rup", or_null(response.rup)},
+        {"budget", {{"triangles", budget.triangles}, {"limited_by", budget.limited_by}, {"feasible", budget.feasible}}},
+        {"level",
+         {{"triangles", level.triangles},
+          {"vertices", level.vertices},
+          {"rms_error", level.rms_error},
+          {"max_error", level.max_error},
+          {"rms_error_percent", level.rms_error_percent},
+          {"screen_space_error_px", level.screen_space_error_px}}},
+        {"shading",
+         {{"distance", shading.distance},
+          {"gouraud", shading.gouraud},
+          {"flat", shading.flat},
+          {"operations", {{"criterion", shading.operations.criterion}, {"total", shading.operations.total}}},
+          {"mode", shading.mode}}},
+        {"content",
+         {{"url", content.url},
+          {"bytes", content.bytes},
+          {"media_type", content.media_type},
+          {"profile", content.profile}}},
+        {"left_out", std::move(left_out)},
+        {"timing_ms", {{"plan", timing.plan}, {"cut", timing.cut}, {"encode", timing.encode}}},
+        {"warnings", response.warnings}};
+    if (budget.points) object["budget"]["points"] = *budget.points;
+    if (level.points > 0) object["level"]["points"] = level.points;
+    if (response.crossing)
+        object["crossing"] = {{"distance", response.crossing->distance},
+                              {"triangles_px", response.crossing->triangles_px},
+                              {"points_px", response.crossing->points_px}};
+    return print(object);
 }
 
 std::string to_json(const Asset& asset) {

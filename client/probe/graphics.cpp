@@ -18,6 +18,7 @@ constexpr double long_enough_ms = 8.0;  // of a frame: what is fixed counts for 
 constexpr std::size_t least_runs = 3, most_runs = 200;
 constexpr double most_overrun = 2.0;  // times the seconds, on a device whose frames take that long
 constexpr int fixed_frames = 7;
+constexpr double disc_share = 1.2;  // of a disc's radius to the side of a square that is its share of the surface
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -92,20 +93,43 @@ Result<Rate> measure(render::Renderer& renderer, const shading::View& view, std:
 }
 
 // Doubles the ball until a frame is long enough to be measured well, which also wakes the driver; then measures.
-Result<Rate> triangles(render::Renderer& renderer, bool gouraud, double seconds) {
+// `content_of(ball)` is what is uploaded, `amount_of(ball)` what a frame draws of it.
+template <class ContentOf, class AmountOf>
+Result<Rate> growing(render::Renderer& renderer, double seconds, const ContentOf& content_of,
+                     const AmountOf& amount_of) {
     const auto begin = Clock::now();
     for (std::uint32_t rings = first_rings;; rings *= 2) {
         const mesh::Model model = ball(rings);
-        const std::vector<std::uint8_t> shades(model.mesh.triangles.size(), gouraud ? 1 : 0);
-        if (auto put = renderer.upload(render::drawable(model, model.mesh, shades)); !put) return put.error();
+        if (auto put = renderer.upload(content_of(model)); !put) return put.error();
         if (auto warm = frame_ms(renderer, at_ball, triangle_side_px); !warm) return warm.error();
         const auto ms = frame_ms(renderer, at_ball, triangle_side_px);
         if (!ms) return ms.error();
         const double left_s = seconds - seconds_since(begin);
         if (*ms >= long_enough_ms || rings >= most_rings || left_s < 0.5 * seconds)
-            return measure(renderer, at_ball, triangle_side_px, static_cast<double>(model.mesh.triangles.size()),
+            return measure(renderer, at_ball, triangle_side_px, static_cast<double>(amount_of(model)),
                            std::max(left_s, 0.25 * seconds));
     }
+}
+
+Result<Rate> triangles(render::Renderer& renderer, bool gouraud, double seconds) {
+    const auto content_of = [&](const mesh::Model& model) {
+        const std::vector<std::uint8_t> shades(model.mesh.triangles.size(), gouraud ? 1 : 0);
+        return render::drawable(model, model.mesh, shades);
+    };
+    return growing(renderer, seconds, content_of, [](const mesh::Model& model) { return model.mesh.triangles.size(); });
+}
+
+// Discs that just cover the ball.
+Result<Rate> points(render::Renderer& renderer, double seconds) {
+    const auto content_of = [](const mesh::Model& model) {
+        codec::Points content;
+        content.cloud.positions = model.mesh.positions;
+        content.cloud.normals = model.mesh.normals;
+        const auto count = static_cast<double>(content.cloud.positions.size());
+        content.levels.push_back({content.cloud.positions.size(), {}, disc_share * std::sqrt(4.0 * pi / count)});
+        return content;
+    };
+    return growing(renderer, seconds, content_of, [](const mesh::Model& model) { return model.mesh.positions.size(); });
 }
 
 Result<Rate> pixels(render::Renderer& renderer, double seconds) {
@@ -134,11 +158,13 @@ Result<Graphics> measure_graphics(render::Renderer& renderer, double seconds) {
     if (!smooth) return smooth.error();
     const auto flat = triangles(renderer, false, seconds);
     if (!flat) return flat.error();
+    const auto discs = points(renderer, seconds);
+    if (!discs) return discs.error();
     const auto filled = pixels(renderer, seconds);
     if (!filled) return filled.error();
     const auto fixed_ms = fixed(renderer);
     if (!fixed_ms) return fixed_ms.error();
-    return Graphics{*smooth, *flat, *filled, *fixed_ms};
+    return Graphics{*smooth, *flat, *discs, *filled, *fixed_ms};
 }
 
 }  // namespace lodestream::probe

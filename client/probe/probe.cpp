@@ -13,8 +13,8 @@ namespace lodestream::probe {
 
 namespace {
 
-// 0.5 * 3 + 0.3 * 2 leave 0.9 s to open the driver and to find the right sizes.
-constexpr double graphics_s = 0.5;
+// 0.4 * 4 + 0.3 * 2 leave 0.8 s to open the driver and to find the right sizes.
+constexpr double graphics_s = 0.4;
 constexpr double cpu_s = 0.3;
 
 std::string quoted(const std::string& text) {
@@ -93,6 +93,7 @@ budget::DeviceReport device_report(const Report& report) {
     device.memory_mb = report.machine.memory_mb;
     device.triangles_per_second =
         std::min(report.graphics.gouraud_triangles.per_second, report.graphics.flat_triangles.per_second);
+    device.points_per_second = report.graphics.points.per_second;
     return device;
 }
 
@@ -102,12 +103,14 @@ std::string to_json(const Report& report) {
                       ",\"cpu_cores\":" + std::to_string(device.cpu_cores) +
                       ",\"gpu\":" + (device.gpu == budget::Gpu::discrete ? "\"discrete\"" : "\"none\"");
     if (device.memory_mb) out += ",\"memory_mb\":" + number(*device.memory_mb);
-    out += ",\"triangles_per_second\":" + number(*device.triangles_per_second) + "},";
+    out += ",\"triangles_per_second\":" + number(*device.triangles_per_second) +
+           ",\"points_per_second\":" + number(*device.points_per_second) + "},";
     if (const auto& display = report.machine.display)
         out += "\"display\":{\"width\":" + std::to_string(display->width) +
                ",\"height\":" + std::to_string(display->height) + "},";
     out += "\"measured\":{" + rate_json("gouraud_triangles_per_second", report.graphics.gouraud_triangles) +
            rate_json("flat_triangles_per_second", report.graphics.flat_triangles) +
+           rate_json("points_per_second", report.graphics.points) +
            rate_json("pixels_per_second", report.graphics.pixels) +
            rate_json("cpu_single_operations_per_second", report.cpu_single) +
            rate_json("cpu_all_operations_per_second", report.cpu_all);
@@ -129,7 +132,7 @@ std::string to_text(const Report& report) {
                std::to_string(machine.display->height) + " px\n";
     out += rate_text("Gouraud", report.graphics.gouraud_triangles, "triangles") +
            rate_text("flat", report.graphics.flat_triangles, "triangles") +
-           rate_text("fill", report.graphics.pixels, "pixels") +
+           rate_text("points", report.graphics.points, "points") + rate_text("fill", report.graphics.pixels, "pixels") +
            rate_text("processor, one core", report.cpu_single, "operations") +
            rate_text("processor, all cores", report.cpu_all, "operations");
     return out + "an empty frame         " + number(report.graphics.fixed_frame_ms) + " ms\n" + load_text(report) +

@@ -1,6 +1,6 @@
 #include "client/render/renderer.h"
 
-#include <GLES3/gl31.h>
+#include <GLES3/gl32.h>
 
 #include <algorithm>
 #include <array>
@@ -29,17 +29,20 @@ enum Location : GLuint {
 
 struct Program {
     GLuint id = 0;
-    GLint clip_from_scene = -1, eye = -1, lights = -1, light_count = -1, phong = -1, base_color = -1, emissive = -1,
-          alpha_cutoff = -1;
+    GLint clip_from_scene = -1, offset = -1, eye = -1, lights = -1, light_count = -1, phong = -1, base_color = -1,
+          emissive = -1, alpha_cutoff = -1, disc = -1;
 };
+
+enum class Style : std::uint8_t { gouraud, flat, discs };
+constexpr std::size_t styles = 3;
 
 // What one draw call needs.
 struct Batch {
-    bool flat = false;
+    Style style = Style::gouraud;
     std::uint32_t material = 0;
     GLuint vertex_array = 0;
     std::vector<GLuint> buffers;
-    GLsizei first = 0, corners = 0;  // the range of the indices that is drawn
+    GLsizei first = 0, corners = 0;  // the range of the indices, or of the points, that is drawn
     Vec3d center{0.0};
     std::shared_ptr<const std::vector<std::uint32_t>> places;  // of a movable level's triangles in its order; else null
 };
@@ -51,6 +54,14 @@ struct Target {
 
 Error out_of_memory(const std::string& what) {
     return fail(ErrorCode::limit_exceeded, "the graphics driver has no memory for " + what);
+}
+
+// Of OpenGL ES: 32 is 3.2.
+int driver_version() {
+    GLint major = 0, minor = 0;
+    glGetIntegerv(GL_MAJOR_VERSION, &major);
+    glGetIntegerv(GL_MINOR_VERSION, &minor);
+    return major * 10 + minor;
 }
 
 // Also forgets errors from before, which are another caller's.
@@ -97,6 +108,7 @@ Result<Program> link(const char* define) {
     }
     const auto uniform = [&](const char* name) { return glGetUniformLocation(program.id, name); };
     program.clip_from_scene = uniform("u_clip_from_scene");
+    program.offset = uniform("u_offset");
     program.eye = uniform("u_eye");
     program.lights = uniform("u_lights");
     program.light_count = uniform("u_light_count");
@@ -104,6 +116,7 @@ Result<Program> link(const char* define) {
     program.base_color = uniform("u_base_color");
     program.emissive = uniform("u_emissive");
     program.alpha_cutoff = uniform("u_alpha_cutoff");
+    program.disc = uniform("u_disc");
     glUseProgram(program.id);
     glUniform1i(uniform("u_base_color_texture"), 0);
     glUniform1i(uniform("u_emissive_texture"), 1);
@@ -158,16 +171,16 @@ std::uint64_t fill(Batch& batch, const Streams& streams) {
     glBindVertexArray(batch.vertex_array);
     std::uint64_t bytes = add_buffer(batch, GL_ARRAY_BUFFER, streams.positions);
     attribute(location_position, 3, GL_FLOAT, false, corner, 0);
-    if (batch.flat) {
+    if (batch.style == Style::flat) {
         bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.first_corners);
         attribute(location_first, 3, GL_FLOAT, false, corner, 0);
         bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.previous_corners);
         attribute(location_normal_or_previous, 3, GL_FLOAT, false, corner, 0);
-    } else {
+    } else if (!streams.normals.empty()) {
         bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.normals);
         attribute(location_normal_or_previous, 3, GL_FLOAT, false, corner, 0);
     }
-    bytes += add_buffer(batch, GL_ELEMENT_ARRAY_BUFFER, streams.indices);
+    if (batch.style != Style::discs) bytes += add_buffer(batch, GL_ELEMENT_ARRAY_BUFFER, streams.indices);
     if (!streams.colors.empty()) {
         bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.colors);
         attribute(location_color, 4, GL_UNSIGNED_BYTE, true, sizeof(Rgba8), 0);
@@ -246,8 +259,10 @@ void flip_rows(Image& image) {
 }  // namespace
 
 struct Renderer::Impl {
-    Program gouraud, flat;
+    std::array<Program, styles> programs;
     GLuint white_texture = 0;
+    bool has_sample_shading = false;  // OpenGL ES 3.2
+    float max_point_px = 1.0f;
     GLint max_side = 0, max_driver_samples = 1, max_texture_side = 0;
     Target target, resolved;
 
@@ -256,8 +271,15 @@ struct Renderer::Impl {
     std::vector<GLuint> textures;  // one an image; the white one where it could not be decoded
     Placement placement;
     Vec3d origin{0.0};
+    std::vector<points::Level> levels;  // of the cloud, model units
     UploadStatistics uploaded;
     std::vector<Camera> exposures;  // of the frame at hand, the drawn view last; empty where it has no earlier moments
+    struct Shown {
+        Vec3f offset{0.0f};  // scene coordinates
+        GLsizei points = 0;
+        float radius = 0.0f;  // of its discs, scene coordinates
+    };
+    std::vector<Shown> shown;  // the instances of the frame at hand that its picture may show
 
     Impl() = default;
     Impl(const Impl&) = delete;
@@ -267,33 +289,34 @@ struct Renderer::Impl {
         release(target);
         release(resolved);
         glDeleteTextures(1, &white_texture);
-        glDeleteProgram(gouraud.id);
-        glDeleteProgram(flat.id);
+        for (const Program& program : programs) glDeleteProgram(program.id);
     }
 
     Status create();
     void clear();
     std::vector<std::string> upload_textures(const std::vector<mesh::Image>& images);
     std::vector<std::string> begin_upload(const codec::Decoded& content);
-    Batch& add_batch(const codec::Primitive& primitive, bool is_flat, std::size_t images);
+    Batch& add_batch(const codec::Primitive& primitive, Style style, std::size_t images);
     Result<UploadStatistics> end_upload(std::vector<std::string> warnings);
     Result<UploadStatistics> upload(const codec::Decoded& content);
     Result<UploadStatistics> upload(const MovableLevel& level);
+    Result<UploadStatistics> upload(const codec::Points& content);
     void move_split(std::uint64_t border);
     Status check(const DrawOptions& options) const;
     Status prepare_targets(const DrawOptions& options);
+    void show(const DrawOptions& options, const std::vector<Sphere>& spheres, const Camera& camera);
     void set_camera(const Program& program, const Camera& camera, const std::vector<Vec4f>& lights,
                     const shading::Phong& phong) const;
     void bind_texture(GLenum unit, const mesh::TextureReference& reference) const;
     void set_material(const Program& program, const mesh::Material& material) const;
-    void draw_batch(const Batch& batch) const;
-    Status expose(const shading::View& view, const DrawOptions& options);
+    void draw_batch(const Program& program, const Batch& batch) const;
+    Status expose(const shading::View& view, const DrawOptions& options, const Sphere& scene);
     void draw_exposures(const Program& program, const Batch& batch) const;
     void sort_blended(const Camera& camera);
     void draw_frame(const Camera& camera, const std::vector<Vec4f>& lights, const DrawOptions& options);
     std::uint32_t draw_calls() const {
-        return static_cast<std::uint32_t>(
-            std::count_if(batches.begin(), batches.end(), [](const Batch& b) { return b.corners > 0; }));
+        const auto drawn = std::count_if(batches.begin(), batches.end(), [](const Batch& b) { return b.corners > 0; });
+        return static_cast<std::uint32_t>(static_cast<std::size_t>(drawn) * shown.size());
     }
     Image read_back(const DrawOptions& options) const;
 };
@@ -301,12 +324,12 @@ struct Renderer::Impl {
 Status Renderer::Impl::create() {
     if (!glGetString(GL_VERSION)) return fail(ErrorCode::unavailable, "no OpenGL ES 3 context is current");
     gl_failed();
-    auto smooth_program = link("\n");
-    if (!smooth_program) return smooth_program.error();
-    gouraud = *smooth_program;
-    auto flat_program = link("#define FLAT\n");
-    if (!flat_program) return flat_program.error();
-    flat = *flat_program;
+    constexpr std::array<const char*, styles> defines{"\n", "#define FLAT\n", "#define DISCS\n"};
+    for (std::size_t i = 0; i < styles; ++i) {
+        auto program = link(defines[i]);
+        if (!program) return program.error();
+        programs[i] = *program;
+    }
     const std::array<std::uint8_t, 4> white{255, 255, 255, 255};
     white_texture = make_texture(1, 1, white.data());
     GLint renderbuffer_side = 0;
@@ -315,6 +338,11 @@ Status Renderer::Impl::create() {
     glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport_side.data());
     glGetIntegerv(GL_MAX_SAMPLES, &max_driver_samples);
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &max_texture_side);
+    std::array<GLfloat, 2> point_px{};
+    glGetFloatv(GL_ALIASED_POINT_SIZE_RANGE, point_px.data());
+    max_point_px = std::max(point_px[1] - 1.0f, 1.0f);  // leaves room for what the shader may add
+    has_sample_shading = driver_version() >= 32;
+    if (has_sample_shading) glMinSampleShading(1.0f);
     max_side = std::min({renderbuffer_side, viewport_side[0], viewport_side[1], static_cast<GLint>(image::max_side)});
     if (gl_failed() || max_side < 1) return fail(ErrorCode::unavailable, "the current context is not OpenGL ES 3");
     return Nothing{};
@@ -327,6 +355,7 @@ void Renderer::Impl::clear() {
     batches.clear();
     textures.clear();
     materials.clear();
+    levels.clear();
     placement = {};
     origin = Vec3d{0.0};
     uploaded = {};
@@ -370,10 +399,11 @@ std::vector<std::string> Renderer::Impl::begin_upload(const codec::Decoded& cont
     return upload_textures(content.images);
 }
 
-Batch& Renderer::Impl::add_batch(const codec::Primitive& primitive, bool is_flat, std::size_t images) {
+Batch& Renderer::Impl::add_batch(const codec::Primitive& primitive, Style style, std::size_t images) {
+    const bool is_flat = style == Style::flat;
     const bool textured = is_textured(materials[primitive.material], images);
     Batch batch;
-    batch.flat = is_flat;
+    batch.style = style;
     batch.material = primitive.material;
     batch.corners = static_cast<GLsizei>(primitive.mesh.triangles.size() * 3);
     const Streams streams = is_flat ? flat_streams(primitive.mesh, placement, textured)
@@ -388,7 +418,7 @@ Result<UploadStatistics> Renderer::Impl::end_upload(std::vector<std::string> war
     if (gl_failed()) return out_of_memory(std::to_string(uploaded.triangles) + " triangles");
     const auto blended = [&](const Batch& b) { return materials[b.material].alpha_mode == mesh::AlphaMode::blend; };
     std::stable_sort(batches.begin(), batches.end(), [&](const Batch& a, const Batch& b) {
-        return std::tuple(blended(a), a.flat, a.material) < std::tuple(blended(b), b.flat, b.material);
+        return std::tuple(blended(a), a.style, a.material) < std::tuple(blended(b), b.style, b.material);
     });
     Result<UploadStatistics> result(uploaded);
     result.warnings = std::move(warnings);
@@ -402,7 +432,7 @@ Result<UploadStatistics> Renderer::Impl::upload(const codec::Decoded& content) {
         const std::size_t triangles = primitive.mesh.triangles.size();
         if (triangles == 0) continue;
         const bool is_flat = primitive.shading == codec::Shading::flat;
-        add_batch(primitive, is_flat, content.images.size());
+        add_batch(primitive, is_flat ? Style::flat : Style::gouraud, content.images.size());
         uploaded.triangles += triangles;
         if (!is_flat) uploaded.gouraud_triangles += triangles;
     }
@@ -420,13 +450,33 @@ Result<UploadStatistics> Renderer::Impl::upload(const MovableLevel& level) {
             return invalid_input("a movable level has Gouraud primitives and a place for each of their triangles");
         if (level.places[i].empty()) continue;
         const auto places = std::make_shared<const std::vector<std::uint32_t>>(level.places[i]);
-        for (const bool is_flat : {false, true})
-            add_batch(primitive, is_flat, level.content.images.size()).places = places;
+        for (const Style style : {Style::gouraud, Style::flat})
+            add_batch(primitive, style, level.content.images.size()).places = places;
         uploaded.triangles += places->size();
         uploaded.gouraud_triangles += places->size();
     }
     move_split(uploaded.triangles);
     return end_upload(std::move(warnings));
+}
+
+Result<UploadStatistics> Renderer::Impl::upload(const codec::Points& content) {
+    if (auto sound = check_drawable(content); !sound) return sound.error();
+    clear();
+    gl_failed();
+    placement = place(content);
+    origin = content.origin;
+    levels = content.levels;
+    materials.emplace_back().base_color = content.base_color;
+    uploaded.points = content.cloud.positions.size();
+    Batch batch;
+    batch.style = Style::discs;
+    batch.corners = static_cast<GLsizei>(uploaded.points);
+    if (uploaded.points > 0) {
+        uploaded.geometry_bytes = fill(batch, disc_streams(content.cloud, placement));
+        batches.push_back(std::move(batch));
+    }
+    if (gl_failed()) return out_of_memory(std::to_string(uploaded.points) + " points");
+    return uploaded;
 }
 
 void Renderer::Impl::move_split(std::uint64_t border) {
@@ -435,8 +485,9 @@ void Renderer::Impl::move_split(std::uint64_t border) {
         const auto first_flat = std::lower_bound(batch.places->begin(), batch.places->end(), border);
         const auto smooth = static_cast<GLsizei>(3 * (first_flat - batch.places->begin()));
         const auto all = static_cast<GLsizei>(3 * batch.places->size());
-        batch.first = batch.flat ? smooth : 0;
-        batch.corners = batch.flat ? all - smooth : smooth;
+        const bool is_flat = batch.style == Style::flat;
+        batch.first = is_flat ? smooth : 0;
+        batch.corners = is_flat ? all - smooth : smooth;
     }
 }
 
@@ -452,6 +503,8 @@ Status Renderer::Impl::check(const DrawOptions& options) const {
     if (options.frames == 0) return invalid_input("frames must be at least 1");
     if (options.lights.size() > max_lights)
         return fail(ErrorCode::limit_exceeded, "at most " + std::to_string(max_lights) + " lights");
+    for (const Instance& instance : options.instances)
+        if (!all_finite(instance.offset)) return invalid_input("an instance needs a finite offset");
     for (const Light& light : options.lights)
         if (!all_finite(light.direction) || light.direction == Vec3d{0.0} || !(light.intensity >= 0.0) ||
             !std::isfinite(light.intensity))
@@ -500,34 +553,53 @@ void Renderer::Impl::set_material(const Program& program, const mesh::Material& 
     blend ? glEnable(GL_BLEND) : glDisable(GL_BLEND);
 }
 
-void Renderer::Impl::draw_batch(const Batch& batch) const {
+void Renderer::Impl::draw_batch(const Program& program, const Batch& batch) const {
     const auto offset = static_cast<std::uintptr_t>(batch.first) * sizeof(std::uint32_t);
     glBindVertexArray(batch.vertex_array);
-    glDrawElements(GL_TRIANGLES, batch.corners, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset));
+    for (const Shown& instance : shown) {
+        glUniform3f(program.offset, instance.offset.x, instance.offset.y, instance.offset.z);
+        if (batch.style != Style::discs) {
+            glDrawElements(GL_TRIANGLES, batch.corners, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset));
+            continue;
+        }
+        const float widening = target.samples > 1 && !has_sample_shading ? 1.0f : 0.0f;
+        glUniform4f(program.disc, instance.radius, 0.5f * static_cast<float>(target.height), widening, max_point_px);
+        glDrawArrays(GL_POINTS, 0, instance.points);
+    }
+}
+
+// Of every exposure: one that only an earlier moment shows is shown.
+void Renderer::Impl::show(const DrawOptions& options, const std::vector<Sphere>& spheres, const Camera& camera) {
+    shown.clear();
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+        const auto is_seen = [&](const Camera& c) { return may_see(c, spheres[i]); };
+        if (exposures.empty() ? !is_seen(camera) : std::none_of(exposures.begin(), exposures.end(), is_seen)) continue;
+        const std::uint64_t points = std::min(options.instances[i].points, uploaded.points);
+        const double radius = levels.empty() || points == 0 ? 0.0 : points::level_of(levels, points).radius;
+        shown.push_back(
+            {Vec3f(spheres[i].center), static_cast<GLsizei>(points), static_cast<float>(radius / placement.radius)});
+    }
 }
 
 // The cameras of every exposure, where there are several.
-Status Renderer::Impl::expose(const shading::View& view, const DrawOptions& options) {
+Status Renderer::Impl::expose(const shading::View& view, const DrawOptions& options, const Sphere& scene) {
     exposures.clear();
     if (options.earlier.empty()) return Nothing{};
     if (options.earlier.size() >= options.samples) return invalid_input("more earlier moments than samples - 1");
-    GLint major = 0, minor = 0;
-    glGetIntegerv(GL_MAJOR_VERSION, &major);
-    glGetIntegerv(GL_MINOR_VERSION, &minor);
-    if (major * 10 + minor < 31 || options.earlier.size() >= target.samples)
+    if (driver_version() < 31 || options.earlier.size() >= target.samples)
         return fail(ErrorCode::unsupported, "the graphics driver cannot give every exposure samples of its own");
     const double aspect = static_cast<double>(options.width) / options.height;
     for (const shading::View& moment : options.earlier) {
         if (auto sound = shading::validate(moment); !sound) return sound;
-        exposures.push_back(make_camera(moment, origin, placement, aspect));
+        exposures.push_back(make_camera(moment, origin, placement, aspect, scene));
     }
-    exposures.push_back(make_camera(view, origin, placement, aspect));
+    exposures.push_back(make_camera(view, origin, placement, aspect, scene));
     return Nothing{};
 }
 
 // Every exposure writes to its own samples alone, depth included; resolving them makes the mean.
 void Renderer::Impl::draw_exposures(const Program& program, const Batch& batch) const {
-    if (exposures.empty()) return draw_batch(batch);
+    if (exposures.empty()) return draw_batch(program, batch);
     glEnable(GL_SAMPLE_MASK);
     for (std::size_t i = 0; i < exposures.size(); ++i) {
         GLbitfield samples = 0;
@@ -536,7 +608,7 @@ void Renderer::Impl::draw_exposures(const Program& program, const Batch& batch) 
         const Camera& camera = exposures[i];
         glUniformMatrix4fv(program.clip_from_scene, 1, GL_FALSE, &camera.clip_from_scene[0][0]);
         glUniform3f(program.eye, camera.eye.x, camera.eye.y, camera.eye.z);
-        if (camera.sees_scene) draw_batch(batch);
+        if (camera.sees_scene) draw_batch(program, batch);
     }
     glDisable(GL_SAMPLE_MASK);
 }
@@ -563,15 +635,18 @@ void Renderer::Impl::draw_frame(const Camera& camera, const std::vector<Vec4f>& 
     glClearColor(options.background.r, options.background.g, options.background.b, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     if (camera.sees_scene) {
-        set_camera(gouraud, camera, lights, options.phong);
-        set_camera(flat, camera, lights, options.phong);
+        for (const Program& program : programs) set_camera(program, camera, lights, options.phong);
         glVertexAttrib4f(location_color, 1.0f, 1.0f, 1.0f, 1.0f);
+        glVertexAttrib3f(location_normal_or_previous, 0.0f, 0.0f, 0.0f);
         for (const Batch& batch : batches) {
             if (batch.corners == 0) continue;
-            const Program& program = batch.flat ? flat : gouraud;
+            const Program& program = programs[static_cast<std::size_t>(batch.style)];
+            const bool samples_apart = batch.style == Style::discs && target.samples > 1 && has_sample_shading;
             glUseProgram(program.id);
             set_material(program, materials[batch.material]);
+            if (samples_apart) glEnable(GL_SAMPLE_SHADING);
             draw_exposures(program, batch);
+            if (samples_apart) glDisable(GL_SAMPLE_SHADING);
         }
         glBindVertexArray(0);
     }
@@ -624,6 +699,9 @@ Result<UploadStatistics> Renderer::upload(const codec::Decoded& content) {
 Result<UploadStatistics> Renderer::upload(const MovableLevel& level) {
     return upload_or_clear(level);
 }
+Result<UploadStatistics> Renderer::upload(const codec::Points& content) {
+    return upload_or_clear(content);
+}
 void Renderer::move_split(std::uint64_t gouraud) {
     impl_->move_split(gouraud);
 }
@@ -633,10 +711,13 @@ Result<Frame> Renderer::draw(const shading::View& view, const DrawOptions& optio
     if (auto sound = impl_->check(options); !sound) return sound.error();
     if (auto ready = impl_->prepare_targets(options); !ready) return ready.error();
     const double aspect = static_cast<double>(options.width) / options.height;
-    const Camera camera = make_camera(view, impl_->origin, impl_->placement, aspect);
+    const std::vector<Sphere> spheres = spheres_of(options.instances, impl_->placement);
+    const Sphere scene = around(spheres);
+    const Camera camera = make_camera(view, impl_->origin, impl_->placement, aspect, scene);
     const std::vector<Vec4f> lights = lights_of(view, options);
     impl_->sort_blended(camera);
-    if (auto exposed = impl_->expose(view, options); !exposed) return exposed.error();
+    if (auto exposed = impl_->expose(view, options, scene); !exposed) return exposed.error();
+    impl_->show(options, spheres, camera);
     gl_failed();
     if (options.frames > 1) {  // the first frame also pays for what the driver compiles and moves
         impl_->draw_frame(camera, lights, options);
@@ -650,8 +731,10 @@ Result<Frame> Renderer::draw(const shading::View& view, const DrawOptions& optio
         times_ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     }
     try {
-        Frame frame{impl_->read_back(options), median(std::move(times_ms)), impl_->uploaded.triangles,
-                    camera.sees_scene ? impl_->draw_calls() : 0};
+        Frame frame{impl_->read_back(options), median(std::move(times_ms))};
+        frame.triangles = impl_->uploaded.triangles * impl_->shown.size();
+        for (const Impl::Shown& instance : impl_->shown) frame.points += static_cast<std::uint64_t>(instance.points);
+        frame.draw_calls = impl_->draw_calls();
         if (gl_failed()) return out_of_memory("the frame");
         return frame;
     } catch (const std::bad_alloc&) {

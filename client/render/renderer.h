@@ -12,6 +12,11 @@
 // material the base colour, emission, their textures and the alpha mode are drawn; roughness and metalness are not part
 // of Phong's model.
 //
+// A point cloud is drawn as discs on its tangent planes, as large as its level needs to leave no hole, lit once each.
+// Where the driver has samples of their own (OpenGL ES 3.2) discs are anti-aliased like triangles, else pixel by pixel.
+// A disc larger than the driver's largest point is cut to that square, and one whose centre is outside the picture is
+// not drawn: points are for what is far away.
+//
 // Numbers: the scene is moved to its bounding sphere's centre and scaled to radius 1 in double precision before
 // anything becomes float, so extents of 1e-9 or 1e9 and origins far away draw alike.
 #pragma once
@@ -25,6 +30,7 @@
 #include "client/render/movable_level.h"
 #include "common/base/result.h"
 #include "common/codec/level_codec.h"
+#include "common/codec/points_codec.h"
 #include "common/mesh/mesh.h"
 #include "common/shading/phong.h"
 #include "common/shading/view.h"
@@ -41,6 +47,14 @@ struct Light {
     double intensity = 1.0;          // >= 0
 };
 
+inline constexpr std::uint64_t all_points = ~std::uint64_t{0};
+
+// The uploaded content once more at another place.
+struct Instance {
+    Vec3d offset{0.0};                  // world axes, model units; in float once divided by the content's radius
+    std::uint64_t points = all_points;  // of a cloud: the level, its first points; a mesh is drawn whole
+};
+
 struct DrawOptions {
     std::uint32_t width = 800;   // px, >= 1, at most image::max_side and what the driver allows
     std::uint32_t height = 600;  // px, likewise
@@ -51,18 +65,21 @@ struct DrawOptions {
     // scene, and takes its share of the samples: at most samples - 1, and OpenGL ES 3.1 is needed.
     std::vector<shading::View> earlier{};
     shading::Phong phong{};
-    std::vector<Light> lights{};  // at most max_lights; empty: the view's light alone, at intensity 1
+    std::vector<Light> lights{};                  // at most max_lights; empty: the view's light alone, at intensity 1
+    std::vector<Instance> instances{Instance{}};  // those that no picture can show are left out
 };
 
 struct Frame {
     Image image;
-    double frame_ms = 0.0;  // drawing until the GPU is done, without reading the picture back
-    std::uint64_t triangles = 0;
+    double frame_ms = 0.0;        // drawing until the GPU is done, without reading the picture back
+    std::uint64_t triangles = 0;  // sent to the GPU
+    std::uint64_t points = 0;     // likewise
     std::uint32_t draw_calls = 0;
 };
 
 struct UploadStatistics {
     std::uint64_t triangles = 0;
+    std::uint64_t points = 0;
     std::uint64_t gouraud_triangles = 0;
     std::uint64_t gouraud_vertices = 0;  // one evaluation of the light each
     std::uint64_t flat_vertices = 0;     // likewise
@@ -76,6 +93,7 @@ codec::Decoded drawable(const mesh::Model& model, const mesh::Mesh& level, std::
 
 // Around everything that triangles use, in world coordinates.
 Box world_bounds(const codec::Decoded& content);
+Box world_bounds(const codec::Points& content);
 
 // Needs a current OpenGL ES 3 context, the same one for its whole life and at its end.
 class Renderer {
@@ -92,6 +110,9 @@ class Renderer {
 
     // The same of a level whose border between Gouraud and flat may move; all Gouraud at first.
     Result<UploadStatistics> upload(const MovableLevel& level);
+
+    // The same of a cloud; any prefix of it can be drawn (Instance::points).
+    Result<UploadStatistics> upload(const codec::Points& content);
 
     // Draws the first `gouraud` triangles of an uploaded movable level Gouraud and the rest flat (all of them where it
     // has fewer): sets two ranges a material, uploads nothing. Without a movable level, nothing.

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double max_eye_distance = 1e7;    // radii; from there an object is below a pixel in every allowed picture
 constexpr double near_share_of_far = 1e-4;  // bounds how far near and far may be apart for a 24-bit depth buffer
+constexpr double farthest_offset = 1e12;    // radii; keeps what is worked out from it finite
 constexpr double plane_margin = 1e-3;       // of the radius, so that rounding clips nothing off the sphere
 
 bool fits(std::size_t attribute, std::size_t vertices) {
@@ -42,6 +43,31 @@ Box local_bounds(const codec::Decoded& content) {
         for (const mesh::Triangle& t : primitive.mesh.triangles)
             for (const std::uint32_t v : t) box.add(Vec3d(primitive.mesh.positions[v]));
     return box;
+}
+
+Box local_bounds(const codec::Points& content) {
+    Box box;
+    for (const Vec3f& p : content.cloud.positions) box.add(Vec3d(p));
+    return box;
+}
+
+template <class Content>
+Box moved_bounds(const Content& content) {
+    Box box = local_bounds(content);
+    if (box.empty()) return box;
+    box.min += content.origin;
+    box.max += content.origin;
+    return box;
+}
+
+template <class Content>
+Placement placement_of(const Content& content) {
+    const Box box = local_bounds(content);
+    Placement placement;
+    placement.center = box.center();
+    const double radius = box.radius();
+    if (radius > 0.0) placement.radius = radius;
+    return placement;
 }
 
 Vec3f to_scene(const Vec3f& p, const Placement& placement) {
@@ -173,20 +199,17 @@ codec::Decoded drawable(const mesh::Model& model, const mesh::Mesh& level, std::
 }
 
 Box world_bounds(const codec::Decoded& content) {
-    Box box = local_bounds(content);
-    if (box.empty()) return box;
-    box.min += content.origin;
-    box.max += content.origin;
-    return box;
+    return moved_bounds(content);
+}
+Box world_bounds(const codec::Points& content) {
+    return moved_bounds(content);
 }
 
 Placement place(const codec::Decoded& content) {
-    const Box box = local_bounds(content);
-    Placement placement;
-    placement.center = box.center();
-    const double radius = box.radius();
-    if (radius > 0.0) placement.radius = radius;
-    return placement;
+    return placement_of(content);
+}
+Placement place(const codec::Points& content) {
+    return placement_of(content);
 }
 
 Status check_drawable(const codec::Decoded& content) {
@@ -197,6 +220,20 @@ Status check_drawable(const codec::Decoded& content) {
         if (!content.primitives[i].mesh.triangles.empty() && content.primitives[i].material >= content.materials.size())
             return invalid_input(where + ": its material is missing");
     }
+    return Nothing{};
+}
+
+Status check_drawable(const codec::Points& content) {
+    const points::PointCloud& cloud = content.cloud;
+    if (!all_finite(content.origin)) return invalid_input("the cloud's origin is not finite");
+    if (!fits(cloud.normals.size(), cloud.positions.size()) || !fits(cloud.colors.size(), cloud.positions.size()))
+        return invalid_input("an attribute of the cloud is not as long as its positions");
+    if (cloud.positions.size() > points::max_points) return fail(ErrorCode::limit_exceeded, "too many points to draw");
+    for (const Vec3f& p : cloud.positions)
+        if (!all_finite(p)) return invalid_input("a position of the cloud is not finite");
+    for (const points::Level& level : content.levels)
+        if (!std::isfinite(level.radius) || level.radius < 0.0)
+            return invalid_input("a level of the cloud has no finite radius");
     return Nothing{};
 }
 
@@ -252,6 +289,34 @@ Streams flat_streams(const mesh::Mesh& mesh, const Placement& placement, bool te
     return s;
 }
 
+Streams disc_streams(const points::PointCloud& cloud, const Placement& placement) {
+    Streams s;
+    s.positions.reserve(cloud.positions.size());
+    for (const Vec3f& p : cloud.positions) s.positions.push_back(to_scene(p, placement));
+    s.normals.reserve(cloud.normals.size());
+    for (const Vec3f& n : cloud.normals) s.normals.push_back(finite_or_zero(n));
+    s.colors = cloud.colors;
+    return s;
+}
+
+std::vector<Sphere> spheres_of(const std::vector<Instance>& instances, const Placement& placement) {
+    std::vector<Sphere> spheres;
+    spheres.reserve(instances.size());
+    const Vec3d farthest(farthest_offset);
+    for (const Instance& instance : instances)
+        spheres.push_back({clamp(instance.offset / placement.radius, -farthest, farthest), 1.0});
+    return spheres;
+}
+
+Sphere around(const std::vector<Sphere>& spheres) {
+    Box box;
+    for (const Sphere& sphere : spheres) box.add(sphere.center);
+    Sphere all{box.center(), 1.0};
+    for (const Sphere& sphere : spheres)
+        all.radius = std::max(all.radius, glm::length(sphere.center - all.center) + sphere.radius);
+    return all;
+}
+
 std::vector<Vec4f> lights_of(const shading::View& view, const DrawOptions& options) {
     std::vector<Vec4f> lights;
     for (const Light& light : options.lights)
@@ -260,22 +325,36 @@ std::vector<Vec4f> lights_of(const shading::View& view, const DrawOptions& optio
     return lights;
 }
 
-Camera make_camera(const shading::View& view, const Vec3d& origin, const Placement& placement, double aspect) {
+Camera make_camera(const shading::View& view, const Vec3d& origin, const Placement& placement, double aspect,
+                   const Sphere& scene) {
     Camera camera;
     camera.forward = direction(view.target * 0.25 - view.eye * 0.25);
     const Vec3d eye = ((view.eye - origin) - placement.center) / placement.radius;
-    const double distance = std::hypot(eye.x, eye.y, eye.z);
-    if (!(distance < max_eye_distance) || camera.forward == Vec3d{0.0}) return camera;
-    const double depth = -dot(eye, camera.forward);
-    const double far = depth + 1.0 + plane_margin;
+    const Vec3d to_scene = scene.center - eye;
+    const double distance = std::hypot(to_scene.x, to_scene.y, to_scene.z);
+    if (!(distance < max_eye_distance * scene.radius) || camera.forward == Vec3d{0.0}) return camera;
+    const double depth = dot(to_scene, camera.forward), reach = scene.radius * (1.0 + plane_margin);
+    const double far = depth + reach;
     if (!(far > 0.0)) return camera;
-    const double near = std::max(depth - 1.0 - plane_margin, far * near_share_of_far);
+    const double near = std::max(depth - reach, far * near_share_of_far);
     const double fov_deg = std::clamp(view.fov_y_deg, shading::min_fov_deg, shading::max_fov_deg);
     camera.eye = Vec3f(eye);
     camera.clip_from_scene =
         Mat4f(perspective(std::tan(radians(fov_deg) / 2.0), aspect, near, far) * look(eye, camera.forward));
     camera.sees_scene = true;
     return camera;
+}
+
+bool may_see(const Camera& camera, const Sphere& sphere) {
+    if (!camera.sees_scene) return false;
+    const Mat4d rows = transpose(Mat4d(camera.clip_from_scene));
+    const double radius = sphere.radius * (1.0 + plane_margin);
+    for (int axis = 0; axis < 3; ++axis)
+        for (const double side : {-1.0, 1.0}) {
+            const Vec4d plane = rows[3] + side * rows[axis];
+            if (dot(plane, Vec4d(sphere.center, 1.0)) < -radius * glm::length(Vec3d(plane))) return false;
+        }
+    return true;
 }
 
 }  // namespace lodestream::render

@@ -15,9 +15,11 @@ struct Placement {
 };
 
 Placement place(const codec::Decoded& content);
+Placement place(const codec::Points& content);
 
 // Errors: invalid_input where an index, an attribute's length or a position is wrong.
 Status check_drawable(const codec::Decoded& content);
+Status check_drawable(const codec::Points& content);
 
 // Vertex streams of a primitive; an attribute that is not drawn is empty.
 struct Streams {
@@ -37,8 +39,21 @@ Streams gouraud_streams(const mesh::Mesh& mesh, const Placement& placement, bool
 // primitive has as many vertices as faces, or a few more.
 Streams flat_streams(const mesh::Mesh& mesh, const Placement& placement, bool textured);
 
+// Of a cloud: positions, normals (empty where it has none) and colours alone.
+Streams disc_streams(const points::PointCloud& cloud, const Placement& placement);
+
+// Scene coordinates.
+struct Sphere {
+    Vec3d center{0.0};
+    double radius = 1.0;
+};
+
+// Of each instance's content in scene coordinates, and the sphere around all of them. pre: offsets are finite
+std::vector<Sphere> spheres_of(const std::vector<Instance>& instances, const Placement& placement);
+Sphere around(const std::vector<Sphere>& spheres);
+
 struct Camera {
-    bool sees_scene = false;  // false: the whole bounding sphere is behind the eye, or much smaller than a pixel
+    bool sees_scene = false;  // false: all of it is behind the eye, or much smaller than a pixel
     Mat4f clip_from_scene{1.0f};
     Vec3f eye{0.0f};  // scene coordinates
     Vec3d forward{0.0};
@@ -47,7 +62,10 @@ struct Camera {
 // Unit directions and intensities of the options' lights, or of the view's one; x, y, z, intensity.
 std::vector<Vec4f> lights_of(const shading::View& view, const DrawOptions& options);
 
-// pre: validate(view) succeeded
-Camera make_camera(const shading::View& view, const Vec3d& origin, const Placement& placement, double aspect);
+// Near and far planes enclose `scene`. pre: validate(view) succeeded
+Camera make_camera(const shading::View& view, const Vec3d& origin, const Placement& placement, double aspect,
+                   const Sphere& scene = {});
+// False only where no part of the sphere is in the picture.
+bool may_see(const Camera& camera, const Sphere& sphere);
 
 }  // namespace lodestream::render

@@ -1,4 +1,9 @@
-// The one pair of shaders, compiled with and without FLAT; private to this folder.
+// The one pair of shaders, compiled plain (Gouraud), with FLAT and with DISCS; private to this folder.
+//
+// A disc is a point sprite around its centre. A fragment is kept where the ray from the eye through it meets the disc's
+// plane within its radius: with the centre c and the fragment's place c + e in view axes, |n x (e x c)| <= r |n . (c +
+// e)|. That is a quadratic form in the place on the sprite, whose coefficients the vertex stage works out. So discs
+// smaller than a pixel cover just what surfaces of their size would, and edge-on ones nothing.
 #pragma once
 
 #include "client/render/renderer.h"
@@ -18,6 +23,12 @@ layout(location = 2) in vec2 a_texture_coordinate;
 layout(location = 3) in vec3 a_previous_corner;
 layout(location = 4) in vec3 a_first_corner;
 flat out vec2 v_light;  // diffuse, specular
+#elif defined(DISCS)
+layout(location = 3) in vec3 a_normal;  // zero: faces the eye
+flat out vec2 v_light;
+flat out vec3 v_square;  // of x², xy, y² of the place on the sprite, each in [-1, 1]
+flat out vec3 v_linear;  // of x, y, 1; the disc is where the sum is not above zero
+uniform vec4 u_disc;     // radius, half the picture's height in px, px to widen a sprite by, largest sprite in px
 #else
 layout(location = 3) in vec3 a_normal;
 out vec4 v_light;  // diffuse, specular; the same of the back
@@ -25,6 +36,7 @@ out vec4 v_light;  // diffuse, specular; the same of the back
 out vec4 v_color;
 out vec2 v_texture_coordinate;
 uniform mat4 u_clip_from_scene;
+uniform vec3 u_offset;  // of the instance
 uniform vec3 u_eye;
 uniform vec4 u_lights[MAX_LIGHTS];  // direction towards the light, intensity
 uniform int u_light_count;
@@ -52,27 +64,61 @@ vec4 light_both_sides(vec3 normal, vec3 position) {
     return sum;
 }
 
+#ifdef DISCS
+// The sprite that holds the whole disc: off the view's axis and close to the eye, perspective draws it larger.
+void shape_disc(vec3 position, vec3 normal) {
+    const float least_px = 1e-4;
+    mat4 m = transpose(u_clip_from_scene);
+    vec3 right = normalize(m[0].xyz), up = normalize(m[1].xyz), back = cross(right, up);
+    mat3 view_axes = transpose(mat3(right, up, back));
+    float depth = max(gl_Position.w, 1e-6), px_per_unit = u_disc.y * length(m[1].xyz) / depth;
+    float radius = max(u_disc.x, least_px / px_per_unit);
+    vec3 center = view_axes * (position - u_eye);
+    float stretch = (length(center) + radius) / depth;
+    gl_PointSize = clamp(2.0 * radius * px_per_unit * stretch, 1.0, u_disc.w) + u_disc.z;
+    float reach = 0.5 * gl_PointSize / (radius * px_per_unit);  // half the sprite's side, in radii
+    float nearness = radius / max(length(center), 1e-6 * radius);
+    vec3 c = center * (nearness / radius), n = view_axes * normal;
+    vec3 x = cross(n, cross(vec3(reach, 0.0, 0.0), c)), y = cross(n, cross(vec3(0.0, -reach, 0.0), c));
+    vec2 tilt = vec2(reach * n.x, -reach * n.y) * nearness;
+    float facing = dot(n, c);
+    v_square = vec3(dot(x, x) - tilt.x * tilt.x, 2.0 * (dot(x, y) - tilt.x * tilt.y), dot(y, y) - tilt.y * tilt.y);
+    v_linear = vec3(-2.0 * facing * tilt, -facing * facing);
+}
+#endif
+
 void main() {
-    gl_Position = u_clip_from_scene * vec4(a_position, 1.0);
+    vec3 position = a_position + u_offset;
+    gl_Position = u_clip_from_scene * vec4(position, 1.0);
     v_color = u_base_color * a_color;
     v_texture_coordinate = a_texture_coordinate;
 #ifdef FLAT
-    vec3 center = (a_first_corner + a_previous_corner + a_position) / 3.0;
+    vec3 center = (a_first_corner + a_previous_corner + a_position) / 3.0 + u_offset;
     vec3 normal = unit_or_zero(cross(a_previous_corner - a_first_corner, a_position - a_first_corner));
     vec4 light = light_both_sides(normal, center);
     v_light = dot(normal, u_eye - center) >= 0.0 ? light.xy : light.zw;
+#elif defined(DISCS)
+    vec3 to_eye = unit_or_zero(u_eye - position);
+    vec3 normal = a_normal == vec3(0.0) ? to_eye : unit_or_zero(a_normal);
+    vec4 light = light_both_sides(normal, position);
+    v_light = dot(normal, to_eye) >= 0.0 ? light.xy : light.zw;
+    shape_disc(position, normal);
 #else
-    v_light = light_both_sides(unit_or_zero(a_normal), a_position);
+    v_light = light_both_sides(unit_or_zero(a_normal), position);
 #endif
 }
 )";
 
 inline constexpr const char* fragment_shader = R"(
 precision highp float;
-#ifdef FLAT
+#if defined(FLAT) || defined(DISCS)
 flat in vec2 v_light;
 #else
 in vec4 v_light;
+#endif
+#ifdef DISCS
+flat in vec3 v_square;
+flat in vec3 v_linear;
 #endif
 in vec4 v_color;
 in vec2 v_texture_coordinate;
@@ -83,7 +129,11 @@ uniform float u_alpha_cutoff;
 out vec4 color;
 
 void main() {
-#ifdef FLAT
+#ifdef DISCS
+    vec2 at = 2.0 * gl_PointCoord - 1.0;
+    if (dot(v_square, vec3(at.x * at.x, at.x * at.y, at.y * at.y)) + dot(v_linear, vec3(at, 1.0)) > 0.0) discard;
+#endif
+#if defined(FLAT) || defined(DISCS)
     vec2 light = v_light;
 #else
     vec2 light = gl_FrontFacing ? v_light.xy : v_light.zw;

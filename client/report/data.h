@@ -114,6 +114,27 @@ struct HlodSample {
     ImageError image;
 };
 
+// A level of points in a crowd of instances against full models (crowd.h), the pictures of all distances together.
+struct PointsLevel {
+    std::string level;         // "L0", the finest, … "L4"; "all": the whole crowd in one picture
+    std::uint64_t points = 0;  // of an instance; 0: each its own level's
+    double recall = 0.0, precision = 0.0, f_measure = 0.0;
+};
+
+// What a device's budget shows of a model from some distance.
+struct Shown {
+    std::uint64_t primitives = 0;  // triangles or points
+    std::uint64_t bytes = 0;
+    double frame_ms = 0.0;
+    ImageError image;
+};
+struct PointsChoice {
+    std::string device;
+    double distance = 0.0;  // of the eye from the bounding sphere's centre, radii
+    Shown triangles, points;
+    bool chose_points = false;  // where the plan may send either
+};
+
 // What a device shows beside the full model, and their difference; thumbnails as PNG.
 struct Picture {
     std::string device;
@@ -135,6 +156,9 @@ struct AssetResult {
     CountedOperations operations;
     std::vector<ShadingSample> shading;
     std::vector<HlodSample> hlod;  // of scenes alone
+    std::vector<PointsLevel> points;
+    std::uint32_t crowd_instances = 0;
+    std::vector<PointsChoice> choices;
     std::vector<Picture> pictures;
 };
 

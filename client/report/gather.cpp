@@ -10,6 +10,7 @@
 #include "client/report/hlod_study.h"
 #include "client/report/measure_frame_rate.h"
 #include "client/report/pictures.h"
+#include "client/report/points_study.h"
 #include "client/report/shading_study.h"
 #include "client/report/text.h"
 
@@ -22,6 +23,7 @@ constexpr auto poll_interval = std::chrono::milliseconds(250);
 constexpr int polls_until_settled = 3;  // a server that imports a folder may queue assets after its first answer
 constexpr double full_model_cpu_mhz = 1e9;
 constexpr double difference_amplification = 8.0;
+constexpr std::ptrdiff_t weak_devices = 2;  // the last of the classes: pda and phone
 
 // How much to measure.
 struct Effort {
@@ -120,6 +122,7 @@ class Gatherer {
     void add_frame_rate();
     Result<ModeResult> measure_content(const proto::PlanResponse& plan, std::size_t device, const Reference& reference,
                                        render::Image* drawn = nullptr);
+    Status measure_points(AssetResult& asset);
     Status save_pictures(AssetResult& asset, std::size_t device, const render::Image& level, const render::Image& full);
     Status save_composite(const AssetResult& asset);
 
@@ -361,6 +364,17 @@ Status Gatherer::measure_split(AssetResult& asset, const Reference& reference) {
     return Nothing{};
 }
 
+// Of the two weakest classes, which points are for.
+Status Gatherer::measure_points(AssetResult& asset) {
+    PointsStudyOptions options;
+    options.devices.assign(devices_.end() - std::min<std::ptrdiff_t>(std::ssize(devices_), weak_devices),
+                           devices_.end());
+    options.directions = options_.quick ? 1 : 3;
+    options.frames = effort_.frames;
+    options.going_on = [&] { return static_cast<bool>(begin(asset.asset.name + ": points")); };
+    return study_points(client_, renderer_, options, asset);
+}
+
 Status Gatherer::save_pictures(AssetResult& asset, std::size_t device, const render::Image& level,
                                const render::Image& full) {
     Result<render::Image> difference = render::difference_image(full, level, difference_amplification);
@@ -438,6 +452,8 @@ Result<AssetResult> Gatherer::measure_asset(const proto::Asset& listed) {
         else
             problem(listed.name + ", tiles", hlod.error());
     }
+    if (Status going_on = begin(listed.name + ": points"); !going_on) return going_on.error();
+    if (Status studied = measure_points(result); !studied) problem(listed.name + ", points", studied.error());
     if (Status saved = save_composite(result); !saved) problem(listed.name, saved.error());
     if (result.devices.empty()) return fail(ErrorCode::unavailable, "no device class could be measured");
     return result;

@@ -87,6 +87,7 @@ Section codec_section(const ReportData& data);
 Section shading_section(const ReportData& data);
 Section end_to_end_section(const ReportData& data);
 Section hlod_section(const ReportData& data);
+Section points_section(const ReportData& data);
 Section frame_rate_section(const ReportData& data);
 
 }  // namespace lodestream::report

@@ -34,7 +34,8 @@ Table overview_table(const ReportData& data) {
 std::vector<Section> sections(const ReportData& data) {
     std::vector<Section> all{budget_section(data), simplification_section(data)};
     if (data.methods) all.push_back(methods_section(*data.methods));
-    for (auto* section : {codec_section, shading_section, end_to_end_section, hlod_section, frame_rate_section})
+    for (auto* section :
+         {codec_section, shading_section, end_to_end_section, hlod_section, points_section, frame_rate_section})
         all.push_back(section(data));
     return all;
 }

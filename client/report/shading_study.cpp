@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "client/render/movable_level.h"
+#include "common/base/directions.h"
 #include "common/shading/importance.h"
 #include "common/shading/paper_criterion.h"
 
@@ -236,12 +237,8 @@ Purchase purchase(std::uint64_t operations, double share) {
 
 std::vector<render::Light> light_rig(const shading::View& view, std::size_t count) {
     std::vector<render::Light> lights;
-    const double golden_angle = pi * (3.0 - std::sqrt(5.0));
     for (std::size_t i = 0; i < count; ++i) {
-        const double height = 1.0 - 2.0 * static_cast<double>(i) / static_cast<double>(count);
-        const double around = std::sqrt(std::max(0.0, 1.0 - height * height));
-        const double turn = golden_angle * static_cast<double>(i);
-        const Vec3d direction = i == 0 ? view.light : Vec3d(around * std::cos(turn), height, around * std::sin(turn));
+        const Vec3d direction = i == 0 ? view.light : spread_direction(i, count);
         lights.push_back({direction, 1.0 / static_cast<double>(count)});
     }
     return lights;

@@ -101,6 +101,8 @@ Status check_plan(const proto::PlanResponse& plan) {
     if (plan.shading.gouraud > plan.level.triangles || plan.shading.flat != plan.level.triangles - plan.shading.gouraud)
         return wrong("gouraud + flat is not level.triangles");
     if (plan.level.triangles > plan.budget.triangles) return wrong("level.triangles exceeds the budget");
+    if (plan.level.points > 0 && plan.level.triangles > 0) return wrong("level has points and triangles");
+    if (plan.level.points > plan.budget.points.value_or(0)) return wrong("level.points exceeds the budget");
     return Nothing{};
 }
 
@@ -108,6 +110,26 @@ std::uint64_t count_triangles(const codec::Decoded& content) {
     std::uint64_t count = 0;
     for (const codec::Primitive& primitive : content.primitives) count += primitive.mesh.triangles.size();
     return count;
+}
+
+Status decode_triangles(std::span<const std::byte> glb, Loaded& loaded) {
+    auto content = codec::decode_level(glb);
+    if (!content) return content.error();
+    loaded.content = *std::move(content);
+    const std::uint64_t triangles = count_triangles(loaded.content);
+    if (triangles == loaded.plan.level.triangles) return Nothing{};
+    return fail(ErrorCode::io, "holds " + std::to_string(triangles) + " triangles, the plan said " +
+                                   std::to_string(loaded.plan.level.triangles));
+}
+
+Status decode_points(std::span<const std::byte> glb, Loaded& loaded) {
+    auto decoded = codec::decode_points(glb);
+    if (!decoded) return decoded.error();
+    loaded.points = std::move(decoded->content);
+    const std::uint64_t points = loaded.points->cloud.positions.size();
+    if (points == loaded.plan.level.points) return Nothing{};
+    return fail(ErrorCode::io, "holds " + std::to_string(points) + " points, the plan said " +
+                                   std::to_string(loaded.plan.level.points));
 }
 
 }  // namespace
@@ -241,14 +263,10 @@ Result<Loaded> Client::load(const proto::PlanRequest& request) {
     loaded.bytes = glb->size();
 
     const auto decode_start = Clock::now();
-    auto content = codec::decode_level(*glb);
-    if (!content) return fail(content.error().code, loaded.plan.content.url + ": " + one_line(content.error().message));
+    const bool is_cloud = loaded.plan.level.points > 0;
+    if (auto decoded = is_cloud ? decode_points(*glb, loaded) : decode_triangles(*glb, loaded); !decoded)
+        return fail(decoded.error().code, loaded.plan.content.url + ": " + one_line(decoded.error().message));
     loaded.timing.decode_ms = ms_since(decode_start);
-    loaded.content = *std::move(content);
-    const std::uint64_t triangles = count_triangles(loaded.content);
-    if (triangles != loaded.plan.level.triangles)
-        return fail(ErrorCode::io, loaded.plan.content.url + ": holds " + std::to_string(triangles) +
-                                       " triangles, the plan said " + std::to_string(loaded.plan.level.triangles));
     return loaded;
 }
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 
 #include "common/base/result.h"
 #include "common/codec/level_codec.h"
+#include "common/codec/points_codec.h"
 #include "proto/messages.h"
 #include "proto/tileset.h"
 
@@ -43,7 +45,8 @@ struct Timing {
 struct Loaded {
     proto::PlanResponse plan;
     codec::Decoded content;
-    std::uint64_t bytes = 0;  // of the content as fetched
+    std::optional<codec::Points> points;  // in place of the content, where the plan sent points
+    std::uint64_t bytes = 0;              // of the content as fetched
     Timing timing;
 };
 
@@ -68,7 +71,7 @@ class Client {
     // The asset's levels as a tree; its tiles are fetched by their uri and bytes.
     Result<proto::Tileset> tileset(const std::string& asset_id);
 
-    // plan → fetch → decode; the decoded level has the plan's triangles, or it is an error.
+    // plan → fetch → decode; the decoded level has the plan's triangles or points, or it is an error.
     Result<Loaded> load(const proto::PlanRequest& request);
 
     // Sends a model; the answered asset is still `baking`. Never sent twice. `token` empty: none.

@@ -55,6 +55,23 @@ std::optional<double> wanted(const Preference& preference, std::uint64_t ncp) {
     return up;
 }
 
+double device_share(const Request& request) {
+    return std::min(capacity_mhz(request.device) / request.reference.capacity_mhz, std::numeric_limits<double>::max());
+}
+
+// The least of what several limits allow, and whose it was.
+struct Least {
+    double value = 0.0;
+    LimitedBy by = LimitedBy::device;
+    void limit(double allowed, LimitedBy limited_by) {
+        if (allowed < value) *this = {allowed, limited_by};
+    }
+};
+
+double memory_for_level(const DeviceReport& device) {
+    return *device.memory_mb * 1e6 * memory_share_for_level;
+}
+
 double affordable_bytes(const Network& network) {
     const double transfer_s = std::max(0.0, network.max_wait_s - network.rtt_ms / 1000.0);
     return transfer_s * network.downlink_mbps * 1e6 / 8.0;
@@ -130,6 +147,7 @@ Status validate(const Request& request) {
     check(not_positive("device.cpu_cores", static_cast<double>(device.cpu_cores)));
     check(not_positive("device.memory_mb", device.memory_mb));
     check(not_positive("device.triangles_per_second", device.triangles_per_second));
+    check(not_positive("device.points_per_second", device.points_per_second));
     if (request.display) {
         check(not_positive("display.width", static_cast<double>(request.display->width)));
         check(not_positive("display.height", static_cast<double>(request.display->height)));
@@ -154,39 +172,51 @@ Result<Budget> derive_budget(const Request& request, const AssetCost& asset) {
 
     Budget budget;
     budget.capacity_mhz = capacity_mhz(request.device);
-    budget.dlr = std::min(budget.capacity_mhz / request.reference.capacity_mhz, std::numeric_limits<double>::max());
+    budget.dlr = device_share(request);
     budget.ncp = current_polygons(static_cast<double>(previous_polygons(request, asset)), budget.dlr);
 
-    double least = static_cast<double>(budget.ncp);
-    budget.limited_by = LimitedBy::device;
-    const auto limit = [&](double triangles, LimitedBy by) {
-        if (triangles < least) {
-            least = triangles;
-            budget.limited_by = by;
-        }
-    };
+    Least least{static_cast<double>(budget.ncp)};
     if (const std::optional<double> up = wanted(request.preference, budget.ncp)) {
         budget.rup = *up / static_cast<double>(std::max<std::uint64_t>(budget.ncp, 1));
-        if (*budget.rup < 1.0) limit(*up, LimitedBy::user);
+        if (*budget.rup < 1.0) least.limit(*up, LimitedBy::user);
     }
     if (request.display)
-        limit(triangles_for_display(static_cast<double>(request.display->width) * request.display->height),
-              LimitedBy::display);
+        least.limit(triangles_for_display(static_cast<double>(request.display->width) * request.display->height),
+                    LimitedBy::display);
     if (request.network)
-        limit(triangles_within_bytes(asset, network_bytes(request) - static_cast<double>(asset.fixed_bytes)),
-              LimitedBy::network);
+        least.limit(triangles_within_bytes(asset, network_bytes(request) - static_cast<double>(asset.fixed_bytes)),
+                    LimitedBy::network);
     if (request.device.memory_mb)
-        limit(*request.device.memory_mb * 1e6 * memory_share_for_level / drawn_bytes_per_triangle, LimitedBy::memory);
+        least.limit(memory_for_level(request.device) / drawn_bytes_per_triangle, LimitedBy::memory);
     // The asset binds also where the device's share was worked out from the asset's own count and is all of it.
     const auto all = static_cast<double>(asset.triangles);
-    if (all <= least) {
-        least = all;
-        budget.limited_by = LimitedBy::asset;
-    }
+    if (all <= least.value) least = {all, LimitedBy::asset};
 
-    budget.feasible = least >= 1.0 || asset.triangles == 0;
-    budget.triangles = asset.triangles == 0 ? 0 : std::max<std::uint64_t>(1, whole_triangles(least));
+    budget.limited_by = least.by;
+    budget.feasible = least.value >= 1.0 || asset.triangles == 0;
+    budget.triangles = asset.triangles == 0 ? 0 : std::max<std::uint64_t>(1, whole_triangles(least.value));
     return budget;
+}
+
+Result<PointBudget> derive_point_budget(const Request& request, const PointCost& cost) {
+    if (Status valid = validate(request); !valid) return valid.error();
+    const double fps = clamped_fps(request.preference.target_fps);
+    const double previous = request.reference.triangles ? static_cast<double>(*request.reference.triangles)
+                                                        : reference_triangles_per_second / fps;
+    Least least{request.device.points_per_second
+                    ? *request.device.points_per_second / fps
+                    : std::min(previous * device_share(request) * points_per_triangle, max_triangles)};
+    if (const std::optional<double> up = wanted(request.preference, whole_triangles(least.value)))
+        least.limit(*up, LimitedBy::user);
+    least.limit(static_cast<double>(cost.shown), LimitedBy::display);
+    const double sent_bytes = network_bytes(request) - static_cast<double>(cost.fixed_bytes);
+    least.limit(sent_bytes / static_cast<double>(std::max<std::uint64_t>(cost.bytes_per_point, 1)), LimitedBy::network);
+    if (request.device.memory_mb)
+        least.limit(memory_for_level(request.device) / drawn_bytes_per_point, LimitedBy::memory);
+    const auto all = static_cast<double>(cost.points);
+    if (all <= least.value) least = {all, LimitedBy::asset};
+    return PointBudget{cost.points == 0 ? 0 : std::max<std::uint64_t>(1, whole_triangles(least.value)), least.by,
+                       least.value >= 1.0 || cost.points == 0};
 }
 
 Operations with_shading(std::uint64_t criterion, std::uint64_t gouraud, std::uint64_t flat) {

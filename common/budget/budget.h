@@ -19,6 +19,8 @@ inline constexpr double min_target_fps = 1.0;
 inline constexpr double max_target_fps = 1000.0;
 inline constexpr double memory_share_for_level = 0.25;    // of the device's memory
 inline constexpr double drawn_bytes_per_triangle = 64.0;  // vertex and index buffers plus the decoder's working set
+inline constexpr double points_per_triangle = 1.0;        // drawn in the same time, where points were not measured
+inline constexpr double drawn_bytes_per_point = 64.0;     // its vertex and the decoder's working set
 inline constexpr double max_triangles = 4294967295.0;     // triangle counts are 32 bits wide in every mesh
 
 enum class Gpu { none, discrete };
@@ -31,6 +33,7 @@ struct DeviceReport {
     Gpu gpu = Gpu::none;
     std::optional<double> memory_mb;             // > 0; bounds what a level may occupy when drawn
     std::optional<double> triangles_per_second;  // > 0; measured, replaces the capacity derived from clock and GPU
+    std::optional<double> points_per_second;     // > 0; measured, likewise where points are asked for
 };
 
 struct Display {
@@ -116,6 +119,24 @@ Status validate(const Request& request);
 // Equations 1–3 and the user's rule, then the display's, the network's, the memory's and the asset's limits.
 // Fails where validate() fails; extreme but valid numbers saturate at max_triangles.
 Result<Budget> derive_budget(const Request& request, const AssetCost& asset);
+
+// What an asset's points cost, for the limits that are not the device's.
+struct PointCost {
+    std::uint64_t points = 0;       // all there are
+    std::uint64_t shown = 0;        // more of them than this the view cannot tell apart
+    std::uint64_t fixed_bytes = 0;  // sent with any number of them
+    std::uint64_t bytes_per_point = 1;
+};
+
+struct PointBudget {
+    std::uint64_t points = 0;  // >= 1 unless the asset has none
+    LimitedBy limited_by = LimitedBy::device;
+    bool feasible = true;  // as Budget::feasible
+};
+
+// As derive_budget() for a cloud: the device draws points_per_second / target_fps of them, or points_per_triangle for
+// each triangle of equation 2's NCP, whose NPP no asset caps here; the user's count is one of points.
+Result<PointBudget> derive_point_budget(const Request& request, const PointCost& cost);
 
 // Table 3's prices, a polygon.
 inline constexpr std::uint64_t flat_operations = 1;

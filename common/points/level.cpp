@@ -2,23 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace lodestream::points {
 
 namespace {
 
 // Of a disc's radius over the spacing: the points that order() chose from are themselves apart.
-constexpr double covering = 1.2;
+constexpr double covering = 1.35;
 
-// The mesh that has a point wherever the cloud has one: triangles without area, which the metric measures as points.
-mesh::Mesh as_mesh(const PointCloud& cloud, std::uint64_t count) {
+}  // namespace
+
+mesh::Mesh as_mesh(const PointCloud& cloud) {
     mesh::Mesh mesh;
-    mesh.positions = prefix({cloud.positions, {}, {}}, count).positions;
+    mesh.positions = cloud.positions;
+    mesh.triangles.reserve(cloud.positions.size());
     for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) mesh.triangles.push_back({v, v, v});
     return mesh;
 }
-
-}  // namespace
 
 PointCloud prefix(const PointCloud& cloud, std::uint64_t count) {
     const auto first = [&](const auto& all) {
@@ -30,7 +31,7 @@ PointCloud prefix(const PointCloud& cloud, std::uint64_t count) {
 
 metric::SurfaceError measure(const metric::SurfaceIndex& original, const mesh::Mesh& mesh, const PointCloud& cloud,
                              std::uint64_t count) {
-    return metric::measure(original, mesh, as_mesh(cloud, count));
+    return metric::measure(original, mesh, as_mesh(prefix({cloud.positions, {}, {}}, count)));
 }
 
 std::vector<Level> measured_levels(const metric::SurfaceIndex& original, const mesh::Mesh& mesh,
@@ -58,7 +59,9 @@ Level level_of(std::span<const Level> levels, std::uint64_t count) {
     if (level.points == points || points == 0) return {points, level.error, level.radius};
     const Level& finer = *(coarser - 1);
     level.points = points;
-    level.radius = finer.radius * std::sqrt(static_cast<double>(finer.points) / static_cast<double>(points));
+    const double thinned = std::sqrt(static_cast<double>(finer.points) / static_cast<double>(points));
+    const double coarsest = coarser == levels.end() ? std::numeric_limits<double>::infinity() : coarser->radius;
+    level.radius = std::min(finer.radius * thinned, coarsest);
     return level;
 }
 

@@ -18,6 +18,9 @@ struct Level {
     double radius = 0.0;         // of the discs that leave no hole between them, model units
 };
 
+// The mesh that has a point wherever the cloud has one: triangles without area, which the metric measures as points.
+mesh::Mesh as_mesh(const PointCloud& cloud);
+
 inline constexpr std::uint64_t fewest_measured = 64;  // points
 
 // Two-sided distance between the first `count` points and the mesh. Without points or triangles as metric::measure().
@@ -29,8 +32,8 @@ metric::SurfaceError measure(const metric::SurfaceIndex& original, const mesh::M
 std::vector<Level> measured_levels(const metric::SurfaceIndex& original, const mesh::Mesh& mesh,
                                    const OrderedCloud& ordered, const simplify::Executor& executor = {});
 
-// A level of `count` points: it has the error of the measured one that is not finer and the radius that its points'
-// own distance gives. At most as many points as there are. pre: levels as from measured_levels, not empty
+// A level of `count` points: it has the error of the measured one that is not finer, and the radius that its points'
+// own distance gives, at most that one's. At most as many points as there are. pre: levels as from measured_levels, not empty
 Level level_of(std::span<const Level> levels, std::uint64_t count);
 
 }  // namespace lodestream::points

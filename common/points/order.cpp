@@ -16,7 +16,10 @@ namespace {
 constexpr int max_octaves = 21;       // cells of 2^-20 of the extent in the last
 constexpr int passes_per_octave = 8;  // the distance falls by 2^(1/8) between two passes
 constexpr std::size_t candidates_per_cell = 32;
-constexpr float widest_spacing = 2.0f;  // the first pass
+constexpr float widest_spacing = 2.0f;           // the first pass
+constexpr int block_octaves = 3;                 // a block's side is 2^3 cells
+constexpr std::size_t worth_sharing = 1u << 14;  // candidates, between several threads
+constexpr std::size_t colors = 8;                // blocks of one colour, of each two along every axis, do not touch
 constexpr std::uint32_t none = 0xffffffffu;
 
 using Cell = std::array<std::uint32_t, 3>;
@@ -73,6 +76,11 @@ struct Candidate {
     std::uint32_t at = 0;  // in the source
 };
 
+// Candidates that lie in one block, which are neighbours in the source's order.
+struct Block {
+    std::uint32_t first = 0, last = 0;
+};
+
 // Candidates by cell, found by the cell's coordinates.
 class Grid {
   public:
@@ -81,11 +89,12 @@ class Grid {
             candidates.push_back({source.places[at], std::numeric_limits<float>::infinity(), normal_at(at),
                                   static_cast<std::uint32_t>(at)});
             const std::uint64_t key = packed(cell_at(source.cells[at], octave));
-            if (keys_.empty() || keys_.back() != key) {
-                keys_.push_back(key);
-                firsts_.push_back(static_cast<std::uint32_t>(candidates.size() - 1));
-            }
+            if (!keys_.empty() && keys_.back() == key) continue;
+            keys_.push_back(key);
+            firsts_.push_back(static_cast<std::uint32_t>(candidates.size() - 1));
+            add_to_blocks(source.cells[at], firsts_.back());
         }
+        if (last_block_) last_block_->last = static_cast<std::uint32_t>(candidates.size());
         firsts_.push_back(static_cast<std::uint32_t>(candidates.size()));
         slots_.assign(std::bit_ceil(2 * keys_.size() + 1), none);
         for (std::uint32_t cell = 0; cell < keys_.size(); ++cell) slots_[slot_of(keys_[cell])] = cell;
@@ -104,8 +113,19 @@ class Grid {
     }
 
     std::vector<Candidate> candidates;  // in the order of the source
+    // What is taken in one block changes candidates in it and in cells next to it alone, so the blocks of one colour
+    // may be gone through side by side.
+    std::array<std::vector<Block>, colors> blocks;
 
   private:
+    void add_to_blocks(const Cell& smallest, std::uint32_t candidate) {
+        const Cell block = cell_at(smallest, std::max(octave_ - block_octaves, 0));
+        if (last_block_ && block == last_place_) return;
+        if (last_block_) last_block_->last = candidate;
+        std::vector<Block>& of_color = blocks[(block[0] & 1u) | (block[1] & 1u) << 1 | (block[2] & 1u) << 2];
+        last_block_ = &of_color.emplace_back(Block{candidate, candidate});
+        last_place_ = block;
+    }
     static std::uint64_t packed(const Cell& cell) {
         return cell[0] | std::uint64_t{cell[1]} << max_octaves | std::uint64_t{cell[2]} << (2 * max_octaves);
     }
@@ -131,6 +151,8 @@ class Grid {
 
     const Source& source_;
     int octave_;
+    Block* last_block_ = nullptr;  // while it is being filled
+    Cell last_place_{none, none, none};
     std::vector<std::uint64_t> keys_;
     std::vector<std::uint32_t> firsts_;  // candidate of each cell, and one past the last
     std::vector<std::uint32_t> slots_;   // cells; a power of two of them
@@ -162,8 +184,8 @@ std::vector<std::uint32_t> spread_out(const std::vector<std::uint32_t>& along_cu
 
 class Ordering {
   public:
-    Ordering(const Source& source, std::uint64_t count)
-        : source_(source), count_(std::min<std::uint64_t>(count, source.places.size())) {}
+    Ordering(const Source& source, std::uint64_t count, const simplify::Executor& executor)
+        : source_(source), count_(std::min<std::uint64_t>(count, source.places.size())), executor_(executor) {}
 
     void run() {
         if (count_ == 0) return;
@@ -200,11 +222,14 @@ class Ordering {
 
     void take_pass(Grid& grid, double spacing) {
         std::vector<std::uint32_t> found;
-        for (std::size_t i = 0; i < grid.candidates.size(); ++i) {
-            if (grid.candidates[i].nearest < spacing * spacing) continue;
-            found.push_back(grid.candidates[i].at);
-            grid.take(found.back());
+        for (const std::vector<Block>& blocks : grid.blocks) {
+            std::vector<std::vector<std::uint32_t>> found_in(blocks.size());
+            const auto take = [&](std::size_t k) { found_in[k] = take_in_block(grid, blocks[k], spacing); };
+            simplify::run(grid.candidates.size() < worth_sharing ? simplify::Executor{} : executor_, blocks.size(),
+                          take);
+            for (const std::vector<std::uint32_t>& part : found_in) found.insert(found.end(), part.begin(), part.end());
         }
+        std::sort(found.begin(), found.end());
         for (const std::uint32_t at : spread_out(found)) {
             if (taken_.size() >= count_) return;
             taken_.push_back(at);
@@ -212,17 +237,28 @@ class Ordering {
         }
     }
 
+    static std::vector<std::uint32_t> take_in_block(Grid& grid, const Block& block, double spacing) {
+        std::vector<std::uint32_t> found;
+        for (std::uint32_t i = block.first; i < block.last; ++i) {
+            if (grid.candidates[i].nearest < spacing * spacing) continue;
+            found.push_back(grid.candidates[i].at);
+            grid.take(found.back());
+        }
+        return found;
+    }
+
     const Source& source_;
     std::uint64_t count_;
+    const simplify::Executor& executor_;
     std::vector<std::uint32_t> taken_;
     std::vector<float> spacings_;
 };
 
 }  // namespace
 
-OrderedCloud order(const PointCloud& cloud, std::uint64_t count) {
+OrderedCloud order(const PointCloud& cloud, std::uint64_t count, const simplify::Executor& executor) {
     const Source source = source_of(cloud);
-    Ordering ordering(source, count);
+    Ordering ordering(source, count, executor);
     ordering.run();
     OrderedCloud ordered;
     for (const std::uint32_t at : ordering.taken()) {

@@ -30,7 +30,8 @@ namespace {
 // Shares of the progress bar.
 constexpr double tiled_share = 0.3;  // of a scene
 constexpr double recorded_share = 0.5;
-constexpr double measured_share = 0.8;
+constexpr double measured_share = 0.7;
+constexpr double points_share = 0.85;
 
 std::uint64_t peak_memory_bytes() {
     rusage usage{};
@@ -164,6 +165,15 @@ bool make_all(const std::vector<std::uint64_t>& counts, std::vector<Made>& made,
     return going;
 }
 
+Result<proto::Asset> finished(store::Store& store, proto::Asset asset, const Stopwatch& watch) {
+    asset.bake_ms = watch.ms();
+    asset.peak_memory_bytes = peak_memory_bytes();
+    asset.status = proto::AssetStatus::ready;
+    asset.progress = 1.0;
+    if (Status stored = store.put_asset(asset); !stored) return stored.error();
+    return asset;
+}
+
 // The tiles of a scene, and what the asset tells of them.
 Status make_hierarchy(store::Store& store, proto::Asset& asset, const mesh::Model& model,
                       const texture::Textures& textures, Progress& progress) {
@@ -181,11 +191,20 @@ Status make_hierarchy(store::Store& store, proto::Asset& asset, const mesh::Mode
     return Nothing{};
 }
 
+// A cloud has no triangles to cut; any prefix of its ordered points is a level.
+Result<proto::Asset> bake_cloud(store::Store& store, proto::Asset asset, const mesh::Model& model, Progress& progress) {
+    const Stopwatch watch;
+    if (Status made = make_cloud_points(store, asset.id, model, [&](double share) { return progress(share); }); !made)
+        return made.error();
+    return finished(store, std::move(asset), watch);
+}
+
 // Everything of a bake that can fail; the caller turns a failure into the asset's status.
 Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::Model model, Progress& progress) {
     const Error ended = fail(ErrorCode::unavailable, "the bake was ended");  // Progress knows why
     const Stopwatch watch;
     if (!progress(0.0)) return ended;
+    if (model.kind == mesh::Kind::points) return bake_cloud(store, std::move(asset), model, progress);
     Result<texture::Ladder> ladder = load_textures(store, asset.id, model.images.size());
     if (!ladder) return ladder.error();
     const texture::Textures textures =
@@ -212,11 +231,13 @@ Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::
     if (!make_all(measured_counts(asset.triangles), baked.errors, progress, recorded_share, measured_share, measure))
         return ended;
     baked.errors = in_order(std::move(baked.errors));
-    if (Status made = make_points(store, asset.id, baked.model, source, original); !made) return made.error();
+    const auto making_points = [&](double share) { return progress(std::lerp(measured_share, points_share, share)); };
+    if (Status made = make_points(store, asset.id, baked.model, source, original, making_points); !made)
+        return made.error();
 
     std::vector<std::optional<Result<proto::Level>>> levels;
     const auto make = [&](std::uint64_t triangles) { return make_level(maker, triangles); };
-    if (!make_all(ladder_counts(asset.triangles), levels, progress, measured_share, 1.0, make)) return ended;
+    if (!make_all(ladder_counts(asset.triangles), levels, progress, points_share, 1.0, make)) return ended;
     asset.levels.clear();
     for (std::optional<Result<proto::Level>>& level : levels) {
         if (!*level) return level->error();
@@ -226,12 +247,7 @@ Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::
     if (Result<store::StoredFile> file = store.put_content(asset.id, baked_key, "bake", serialize(baked)); !file)
         return file.error();
 
-    asset.bake_ms = watch.ms();
-    asset.peak_memory_bytes = peak_memory_bytes();
-    asset.status = proto::AssetStatus::ready;
-    asset.progress = 1.0;
-    if (Status stored = store.put_asset(asset); !stored) return stored.error();
-    return asset;
+    return finished(store, std::move(asset), watch);
 }
 
 Result<mesh::Model> load_source(const store::Store& store, const std::string& asset_id) {
@@ -259,7 +275,9 @@ void describe(proto::Asset& asset, const mesh::Model& model) {
     asset.kind = mesh::kind_name(model.kind);
     asset.triangles = model.mesh.triangles.size();
     asset.vertices = model.mesh.positions.size();
-    const Box box = mesh::bounds(model.mesh);
+    Box box = mesh::bounds(model.mesh);
+    if (model.kind == mesh::Kind::points)
+        for (const Vec3f& p : model.mesh.positions) box.add(Vec3d(p));
     asset.bounds_min = {box.min.x + model.origin.x, box.min.y + model.origin.y, box.min.z + model.origin.z};
     asset.bounds_max = {box.max.x + model.origin.x, box.max.y + model.origin.y, box.max.z + model.origin.z};
     asset.status = proto::AssetStatus::baking;
@@ -269,6 +287,7 @@ void describe(proto::Asset& asset, const mesh::Model& model) {
 Result<proto::Asset> prepare_stages(store::Store& store, proto::Asset asset, const mesh::Model& model) {
     const std::string id = asset.id;
     if (auto kept = store.put_content(id, imported_key, "model", serialize(model), "0"); !kept) return kept.error();
+    if (model.kind == mesh::Kind::points) return asset;
     std::vector<texture::ImageUse> uses = texture::image_uses(model);
     Result<texture::Ladder> ladder = texture::make_ladder(model, uses);
     if (!ladder) return ladder.error();
@@ -300,6 +319,10 @@ Error of_asset(const proto::Asset& asset, const Error& error) {
 }
 
 }  // namespace
+
+bool is_empty(const mesh::Model& model) {
+    return model.kind == mesh::Kind::points ? model.mesh.positions.empty() : model.mesh.triangles.empty();
+}
 
 codec::QuantizationGrid level_grid(const Box& grid_bounds, const mesh::Mesh& level, const metric::SurfaceError& error) {
     return codec::choose_grid(grid_bounds, error.rms, mean_edge_length(level));
@@ -339,7 +362,7 @@ proto::Level described_level(const codec::Encoded& encoded, const metric::Surfac
 
 Result<proto::Asset> prepare(store::Store& store, proto::Asset asset, const mesh::Model& model, const Limits& limits) {
     describe(asset, model);
-    if (model.mesh.triangles.empty()) return invalid_input("'" + asset.name + "' has no triangles");
+    if (is_empty(model)) return invalid_input("'" + asset.name + "' has no triangles");
     if (Status fits = check_memory(model, limits); !fits) return of_asset(asset, fits.error());
     if (Status stored = store.put_asset(asset); !stored) return stored.error();
     Result<proto::Asset> prepared = without_throwing([&] { return prepare_stages(store, asset, model); });

@@ -29,6 +29,9 @@ struct BakeOptions {
     Limits limits;
 };
 
+// Nothing to bake: no triangles, or no points in a cloud.
+bool is_empty(const mesh::Model& model);
+
 // A bake has two parts, so that it survives a crash and a first level can be served before it is done.
 // 1. Writes `asset` as `baking` with the model's figures, keeps the model in the store until the bake is done, and
 // makes

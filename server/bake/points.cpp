@@ -1,6 +1,8 @@
 #include "server/bake/points.h"
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 
 #include "common/mesh/operations.h"
 #include "common/points/resample.h"
@@ -11,32 +13,95 @@ namespace lodestream::bake {
 
 namespace {
 
-points::OrderedCloud make_cloud(const mesh::Mesh& mesh, const SurfaceColors& colors) {
-    const std::uint64_t budget = std::clamp<std::uint64_t>(mesh.triangles.size(), min_baked_points, max_baked_points);
+// Shares of the time that making points takes.
+constexpr double resampled_share = 0.3;
+constexpr double ordered_share = 0.5;
+
+Error cancelled() {
+    return fail(ErrorCode::unavailable, "the making of points was ended");
+}
+
+// All cores, until the first task after which `done` says to stop.
+simplify::Executor stoppable(const std::function<bool(std::size_t done, std::size_t all)>& done) {
+    return [done](std::size_t count, const std::function<void(std::size_t)>& task) {
+        std::atomic<std::size_t> ended = 0;
+        std::atomic<bool> stopped = false;
+        all_cores()(count, [&](std::size_t k) {
+            if (stopped) return;
+            task(k);
+            if (!done(++ended, count)) stopped = true;
+        });
+    };
+}
+
+std::uint64_t point_budget(const mesh::Mesh& mesh) {
+    return std::clamp<std::uint64_t>(mesh.triangles.size(), min_baked_points, max_baked_points);
+}
+
+points::PointCloud make_cloud(const mesh::Mesh& mesh, std::uint64_t budget, const SurfaceColors& colors) {
     points::ResampleOptions options;
     options.executor = all_cores();
     if (!colors.constant())
         options.color = [&](std::size_t triangle, const Vec3f& weights) { return colors.at(triangle, weights); };
-    return points::order(points::resample(mesh, points::choose_parameters(mesh, budget), options), budget);
+    return points::resample(mesh, points::choose_parameters(mesh, budget), options);
 }
 
-}  // namespace
-
-Status make_points(store::Store& store, const std::string& asset_id, const mesh::Model& model, const mesh::Mesh& finest,
-                   const metric::SurfaceIndex& original) {
-    const SurfaceColors colors(model, finest);
-    points::OrderedCloud ordered = make_cloud(finest, colors);
+// What is to be ordered, what it is measured against, and what is known of the content already.
+struct Unordered {
+    const points::PointCloud& cloud;
+    std::uint64_t budget = 0;
+    const mesh::Mesh& finest;
+    const metric::SurfaceIndex& original;
     codec::Points content;
-    content.levels = points::measured_levels(original, finest, ordered, all_cores());
+};
+
+Status store_ordered(store::Store& store, const std::string& asset_id, Unordered source,
+                     const std::function<bool(double)>& progress) {
+    points::OrderedCloud ordered = points::order(source.cloud, source.budget, all_cores());
+    if (!progress(ordered_share)) return cancelled();
+    std::atomic<bool> goes_on = true;
+    const auto measured = [&](std::size_t done, std::size_t all) {
+        const double share = static_cast<double>(done) / static_cast<double>(all);
+        if (!progress(std::lerp(ordered_share, 1.0, share))) goes_on = false;
+        return goes_on.load();
+    };
+    codec::Points& content = source.content;
+    content.levels = points::measured_levels(source.original, source.finest, ordered, stoppable(measured));
+    if (!goes_on) return cancelled();
     content.cloud = std::move(ordered.cloud);
-    content.grid = codec::point_grid(mesh::bounds(finest));
-    content.base_color = colors.constant().value_or(Vec4f(1.0f));
-    content.origin = model.origin;
+    content.grid = codec::point_grid(mesh::bounds(source.finest));
     Result<codec::EncodedPoints> encoded = codec::encode_points(content);
     if (!encoded) return encoded.error();
     Result<store::StoredFile> file = store.put_content(asset_id, points_key, "glb", encoded->glb);
     if (!file) return file.error();
     return Nothing{};
+}
+
+}  // namespace
+
+Status make_points(store::Store& store, const std::string& asset_id, const mesh::Model& model, const mesh::Mesh& finest,
+                   const metric::SurfaceIndex& original, const std::function<bool(double)>& progress) {
+    const SurfaceColors colors(model, finest);
+    const std::uint64_t budget = point_budget(finest);
+    const points::PointCloud cloud = make_cloud(finest, budget, colors);
+    if (!progress(resampled_share)) return cancelled();
+    codec::Points content;
+    content.base_color = colors.constant().value_or(Vec4f(1.0f));
+    content.origin = model.origin;
+    return store_ordered(store, asset_id, {cloud, budget, finest, original, std::move(content)}, progress);
+}
+
+Status make_cloud_points(store::Store& store, const std::string& asset_id, const mesh::Model& model,
+                         const std::function<bool(double)>& progress) {
+    const points::PointCloud cloud{model.mesh.positions, model.mesh.normals, model.mesh.colors};
+    const mesh::Mesh points = points::as_mesh(cloud);
+    const metric::SurfaceIndex original(points);
+    if (!progress(resampled_share)) return cancelled();
+    codec::Points content;
+    content.base_color = model.materials.front().base_color;
+    content.origin = model.origin;
+    const std::uint64_t budget = std::min<std::uint64_t>(cloud.positions.size(), max_cloud_points);
+    return store_ordered(store, asset_id, {cloud, budget, points, original, std::move(content)}, progress);
 }
 
 Result<codec::Points> load_points(const store::Store& store, const std::string& asset_id) {

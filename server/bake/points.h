@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -20,9 +21,16 @@ inline constexpr std::string_view points_key = "points";  // among an asset's co
 inline constexpr std::uint64_t max_points_bytes = 1ull << 30;
 
 // Makes, measures, encodes and stores them. `model`: materials, images and origin; `finest`: its finest level, which
-// `original` indexes. Errors: those of the codec and the store.
+// `original` indexes; `progress` is told the share done, from any thread, and returns false to cancel. Errors:
+// unavailable (cancelled), those of the codec and the store.
 Status make_points(store::Store& store, const std::string& asset_id, const mesh::Model& model, const mesh::Mesh& finest,
-                   const metric::SurfaceIndex& original);
+                   const metric::SurfaceIndex& original, const std::function<bool(double)>& progress);
+
+// Likewise of a model that is a cloud itself (mesh::Kind::points): ordered, its finest max_cloud_points, and measured
+// against all of them.
+inline constexpr std::uint64_t max_cloud_points = 4'000'000;
+Status make_cloud_points(store::Store& store, const std::string& asset_id, const mesh::Model& model,
+                         const std::function<bool(double)>& progress);
 
 // Errors: not_found (the asset has none), those of reading and decoding.
 Result<codec::Points> load_points(const store::Store& store, const std::string& asset_id);

@@ -149,7 +149,7 @@ Result<proto::Asset> BakeQueue::Impl::import_reserved(const Submission& submissi
     if (auto status = check_free(submission.id, submission.name, failed_before); !status) return status.error();
     auto model = import();
     if (!model) return model.error();
-    if (model->mesh.triangles.empty()) return invalid_input("the model has no triangles");
+    if (bake::is_empty(*model)) return invalid_input("the model has no triangles");
     if (auto fits = bake::check_memory(*model, limits); !fits) return fits.error();
 
     const std::uint64_t bytes = bake::memory_bytes(*model);

@@ -445,6 +445,7 @@ Status read_ply(const Source& source, Soup& soup) {
         const int image = add_image_file(header->texture_file, source.side_files, source.limits, soup);
         soup.materials.emplace_back().base_color_texture.image = image;
     }
+    soup.may_be_cloud = true;
     Reader reader(source, *header, soup);
     const std::span<const std::byte> data = source.bytes.subspan(header->bytes);
     switch (header->encoding) {

@@ -58,10 +58,7 @@ double rounded_to_step(double value, double size) {
     return std::round(value * std::pow(10.0, -exponent)) / std::pow(10.0, -exponent);
 }
 
-Vec3d choose_origin(const Soup& soup) {
-    Box box;
-    for (const mesh::Triangle& t : soup.triangles)
-        for (const std::uint32_t v : t) box.add(soup.positions[v]);
+Vec3d origin_of(const Box& box) {
     const Vec3d center = box.center(), extent = box.extent();
     const double size = std::max({extent.x, extent.y, extent.z});
     const double away = std::max({std::abs(center.x), std::abs(center.y), std::abs(center.z)});
@@ -69,6 +66,13 @@ Vec3d choose_origin(const Soup& soup) {
     const Vec3d origin{rounded_to_step(center.x, size), rounded_to_step(center.y, size),
                        rounded_to_step(center.z, size)};
     return all_finite(origin) ? origin + Vec3d{0} : Vec3d{0};  // no -0
+}
+
+Vec3d choose_origin(const Soup& soup) {
+    Box box;
+    for (const mesh::Triangle& t : soup.triangles)
+        for (const std::uint32_t v : t) box.add(soup.positions[v]);
+    return origin_of(box);
 }
 
 template <class T>
@@ -192,6 +196,43 @@ Error nothing_left(const Soup& soup, std::uint64_t read_triangles) {
     return invalid_input("has no geometry");
 }
 
+bool is_cloud(const Soup& soup) {
+    return soup.may_be_cloud && soup.triangles.empty() && soup.unreadable_faces + soup.out_of_range_faces == 0;
+}
+
+// The points that are finite, with their attributes, and no triangles.
+Result<mesh::Model> finish_cloud(Soup soup) {
+    mesh::Model model;
+    model.kind = mesh::Kind::points;
+    model.materials.emplace_back();
+    Box box;
+    for (const Vec3d& p : soup.positions)
+        if (usable(p)) box.add(p);
+    if (box.empty()) return invalid_input("has no point with finite coordinates");
+    model.origin = origin_of(box);
+    const std::size_t read = soup.positions.size();
+    mesh::Mesh all;
+    all.positions.resize(read);
+    move_attributes(soup, all);
+    for (std::size_t i = 0; i < read; ++i) {
+        if (!usable(soup.positions[i])) continue;
+        model.mesh.positions.emplace_back(soup.positions[i] - model.origin);
+        if (!all.normals.empty()) model.mesh.normals.push_back(all.normals[i]);
+        if (!all.colors.empty()) model.mesh.colors.push_back(all.colors[i]);
+    }
+    const auto is_missing = [](const Vec3f& normal) { return normal == Vec3f{0}; };
+    std::vector<Vec3f>& normals = model.mesh.normals;
+    if (std::any_of(normals.begin(), normals.end(), is_missing)) {
+        normals.clear();
+        soup.warnings.push_back("normals left out: some points have none");
+    }
+    Result<mesh::Model> result(std::move(model));
+    result.warnings = std::move(soup.warnings);
+    if (const std::uint64_t dropped = read - result->mesh.positions.size(); dropped > 0)
+        result.warnings.push_back(counted(dropped, "point", "points") + " dropped: coordinates not finite");
+    return result;
+}
+
 }  // namespace
 
 std::uint32_t Soup::add_vertex(const Vec3d& position) {
@@ -289,6 +330,7 @@ Rgba8 linear_from_srgb(const Vec4f& srgb) {
 }
 
 Result<mesh::Model> finish(Soup soup, const Limits& limits) {
+    if (is_cloud(soup) && !soup.positions.empty()) return finish_cloud(std::move(soup));
     const std::uint64_t read_triangles = soup.triangles.size();
     const std::uint64_t not_finite = keep_triangles(soup, [&](const mesh::Triangle& t) {
         return std::all_of(t.begin(), t.end(), [&](std::uint32_t v) { return usable(soup.positions[v]); });

@@ -28,6 +28,7 @@ class Soup {
     std::vector<mesh::Image> images;
     std::uint64_t image_bytes = 0;
     mesh::Kind kind = mesh::Kind::mesh;
+    bool may_be_cloud = false;  // the file means its vertices as points where it has no face
     std::uint64_t objects = 1;  // with triangles
     mesh::SceneGraph graph;     // where there is none, objects are 0 … objects - 1
     std::vector<std::string> warnings;

@@ -12,6 +12,7 @@
 #include "server/bake/textures.h"
 #include "server/planner/baked_cache.h"
 #include "server/planner/hybrid_level.h"
+#include "server/planner/point_level.h"
 
 namespace lodestream::planner {
 
@@ -65,6 +66,12 @@ Error not_ready(const proto::Asset& asset) {
     return fail(ErrorCode::conflict, "asset '" + asset.name + "' failed to bake: " + asset.error);
 }
 
+Error no_triangles(const proto::Asset& asset) {
+    return fail(ErrorCode::conflict, "asset '" + asset.name +
+                                         "' is a cloud of points and has no triangles; ask for \"primitives\": "
+                                         "\"points\" or \"any\"");
+}
+
 Box world_bounds_of(const proto::Asset& asset) {
     Box box;
     for (const auto& corner : {asset.bounds_min, asset.bounds_max})
@@ -76,7 +83,7 @@ void fill_budget(proto::PlanResponse& response, const budget::Budget& budget) {
     response.dlr = budget.dlr;
     response.ncp = budget.ncp;
     response.rup = budget.rup;
-    response.budget = {budget.triangles, budget::limited_by_name(budget.limited_by), budget.feasible};
+    response.budget = {budget.triangles, budget::limited_by_name(budget.limited_by), budget.feasible, {}};
     if (!budget.feasible)
         response.warnings.push_back(std::string("the ") + budget::limited_by_name(budget.limited_by) +
                                     " allows less than one triangle; the least there is was sent");
@@ -109,7 +116,8 @@ const proto::Level* find_first_level(const proto::Asset& asset, std::uint64_t tr
 }
 
 void fill_first_level(proto::PlanResponse& response, const proto::Level& level, const proto::PlanRequest& request) {
-    response.level = {level.triangles, level.vertices, level.rms_error, level.max_error, level.rms_error_percent, 0.0};
+    response.level = {level.triangles, level.vertices,          0,  level.rms_error,
+                      level.max_error, level.rms_error_percent, 0.0};
     response.shading.gouraud = level.triangles;
     response.shading.operations = budget::with_shading(0, level.triangles, 0);
     response.shading.mode = proto::shading_mode_name(proto::ShadingMode::gouraud);
@@ -173,6 +181,12 @@ struct Planner::Impl {
 
     Result<proto::PlanResponse> plan(const proto::PlanRequest& request);
     Result<proto::PlanResponse> plan_baked(const proto::PlanRequest& request, const proto::Asset& asset);
+    Result<proto::PlanResponse> plan_triangles(const proto::PlanRequest& request, const proto::Asset& asset,
+                                               const LoadedAsset& loaded);
+    Result<proto::PlanResponse> plan_points(const proto::PlanRequest& request, const proto::Asset& asset,
+                                            const Box& world_bounds);
+    Status choose_primitives(proto::PlanResponse& response, const proto::PlanRequest& request,
+                             const proto::Asset& asset, const LoadedAsset& loaded);
     Result<proto::PlanResponse> plan_level(const proto::PlanRequest& request, const proto::Asset& asset,
                                            const LoadedAsset& loaded, const texture::Choice& textures,
                                            const budget::Budget& budget);
@@ -272,18 +286,15 @@ Result<proto::PlanResponse> plan_first_level(const proto::PlanRequest& request, 
     return response;
 }
 
-Result<proto::PlanResponse> Planner::Impl::plan_baked(const proto::PlanRequest& request, const proto::Asset& asset) {
-    if (asset.status != proto::AssetStatus::ready) return not_ready(asset);
-    Result<std::shared_ptr<const LoadedAsset>> loaded = cache.load(asset.id);
-    if (!loaded) return loaded.error();
-
+Result<proto::PlanResponse> Planner::Impl::plan_triangles(const proto::PlanRequest& request, const proto::Asset& asset,
+                                                          const LoadedAsset& loaded) {
     const texture::Choice textures =
-        texture::choose((*loaded)->baked.model, (*loaded)->textures, texture_needs(request, asset, **loaded));
+        texture::choose(loaded.baked.model, loaded.textures, texture_needs(request, asset, loaded));
     budget::AssetCost cost = cost_of(asset, textures);
     for (int correction = 0;; ++correction) {
         Result<budget::Budget> budget = budget::derive_budget(request.budget, cost);
         if (!budget) return budget.error();
-        Result<proto::PlanResponse> response = plan_level(request, asset, **loaded, textures, *budget);
+        Result<proto::PlanResponse> response = plan_level(request, asset, loaded, textures, *budget);
         if (!response) return response;
         const double excess = budget::network_excess(request.budget, cost, response->content.bytes);
         if (excess > 1.0 && budget->triangles > 1 && correction < max_network_corrections) {
@@ -292,6 +303,69 @@ Result<proto::PlanResponse> Planner::Impl::plan_baked(const proto::PlanRequest& 
         }
         return response;
     }
+}
+
+double seen_pixels_per_unit(const proto::PlanRequest& request, const Box& world_bounds) {
+    return shading::pixels_per_unit(view_of(request, world_bounds), world_bounds, display_of(request));
+}
+
+// A plan of points alone still tells the device's share and what it would get in triangles.
+Result<proto::PlanResponse> Planner::Impl::plan_points(const proto::PlanRequest& request, const proto::Asset& asset,
+                                                       const Box& world_bounds) {
+    const double pixels_per_unit = seen_pixels_per_unit(request, world_bounds);
+    const Result<PointLevel> level = planner::plan_points(store, asset.id, request.budget, pixels_per_unit);
+    if (!level) return level.error();
+    const Result<budget::Budget> budget = budget::derive_budget(request.budget, cost_of(asset, {}));
+    if (!budget) return budget.error();
+    proto::PlanResponse response;
+    fill_budget(response, *budget);
+    response.budget.points = level->budget.points;
+    response.budget.limited_by = budget::limited_by_name(level->budget.limited_by);
+    response.budget.feasible = level->budget.feasible;
+    if (Status added = add_points(response, store, asset.id, *level, pixels_per_unit); !added) return added.error();
+    response.shading.distance = place(request, world_bounds, budget->dlr).distance;
+    return response;
+}
+
+// The plan of triangles is at hand; points take its place where they win. An asset without points keeps it.
+Status Planner::Impl::choose_primitives(proto::PlanResponse& response, const proto::PlanRequest& request,
+                                        const proto::Asset& asset, const LoadedAsset& loaded) {
+    const shading::View view = view_of(request, loaded.world_bounds);
+    const double pixels_per_unit = seen_pixels_per_unit(request, loaded.world_bounds);
+    const Result<PointLevel> level = planner::plan_points(store, asset.id, request.budget, pixels_per_unit);
+    if (!level) return level.error().code == ErrorCode::not_found ? Status{Nothing{}} : Status{level.error()};
+    const Rivals rivals{response.level.rms_error * pixels_per_unit,
+                        level->error_px,
+                        response.content.bytes,
+                        level->bytes,
+                        glm::length(view.eye - loaded.world_bounds.center()),
+                        loaded.world_bounds.radius()};
+    response.budget.points = level->budget.points;
+    if (const std::optional<double> distance = crossing_distance(rivals))
+        response.crossing = {*distance, rivals.triangles_px, rivals.points_px};
+    if (!points_win(rivals)) return Nothing{};
+    response.left_out.clear();
+    response.timing_ms = {};
+    response.budget.limited_by = budget::limited_by_name(level->budget.limited_by);
+    response.budget.feasible = level->budget.feasible;
+    const double distance = response.shading.distance;
+    Status added = add_points(response, store, asset.id, *level, pixels_per_unit);
+    response.shading.distance = distance;
+    return added;
+}
+
+Result<proto::PlanResponse> Planner::Impl::plan_baked(const proto::PlanRequest& request, const proto::Asset& asset) {
+    if (asset.status != proto::AssetStatus::ready) return not_ready(asset);
+    const bool is_cloud = asset.kind == mesh::kind_name(mesh::Kind::points);
+    if (is_cloud && request.primitives == proto::Primitives::triangles) return no_triangles(asset);
+    if (is_cloud || request.primitives == proto::Primitives::points)
+        return plan_points(request, asset, world_bounds_of(asset));
+    Result<std::shared_ptr<const LoadedAsset>> loaded = cache.load(asset.id);
+    if (!loaded) return loaded.error();
+    Result<proto::PlanResponse> response = plan_triangles(request, asset, **loaded);
+    if (!response || request.primitives == proto::Primitives::triangles) return response;
+    if (Status chosen = choose_primitives(*response, request, asset, **loaded); !chosen) return chosen.error();
+    return response;
 }
 
 Result<proto::PlanResponse> Planner::Impl::plan(const proto::PlanRequest& request) {
@@ -319,6 +393,7 @@ Result<Planner::Cut> Planner::cut(std::string_view name, std::uint64_t triangles
     Result<proto::Asset> asset = impl_->store.asset(name);
     if (!asset) return asset.error();
     if (asset->status != proto::AssetStatus::ready) return not_ready(*asset);
+    if (asset->kind == mesh::kind_name(mesh::Kind::points)) return no_triangles(*asset);
     Result<std::shared_ptr<const LoadedAsset>> loaded = impl_->cache.load(asset->id);
     if (!loaded) return loaded.error();
 

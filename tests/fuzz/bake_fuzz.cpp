@@ -2,13 +2,17 @@
 // The first byte picks the format, the second the budgets, the rest is the file. Not part of the build:
 //   clang++ -std=c++20 -g -O1 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/bake_fuzz.cpp \
 //     server/importer/*.cpp server/bake/baked_model.cpp common/codec/*.cpp common/image/*.cpp common/mesh/*.cpp \
-//     common/metric/*.cpp common/simplify/*.cpp common/texture/*.cpp -lOpenMeshCore -lmeshoptimizer -ldraco \
-//     -o bake_fuzz && ./bake_fuzz -rss_limit_mb=2048 -timeout=60 -max_len=60000 CORPUS
+//     common/metric/*.cpp common/points/*.cpp common/simplify/*.cpp common/texture/*.cpp \
+//     -lOpenMeshCore -lmeshoptimizer -ldraco -o bake_fuzz && ./bake_fuzz -rss_limit_mb=2048 -timeout=60 -max_len=60000 CORPUS
 // Seed CORPUS with small models, each behind the two bytes that pick its format and budgets.
 #include <algorithm>
 #include <cstdlib>
 
+#include "common/codec/points_codec.h"
 #include "common/mesh/operations.h"
+#include "common/metric/surface_distance.h"
+#include "common/points/level.h"
+#include "common/points/order.h"
 #include "common/simplify/history.h"
 #include "server/bake/baked_model.h"
 #include "server/importer/importer.h"
@@ -62,6 +66,24 @@ void bake_model(mesh::Model model, std::uint64_t seed) {
         require_cut(opened->history, budget, materials);
 }
 
+// A cloud's points keep apart in every order and are written and read whole.
+void bake_cloud(const mesh::Model& model, std::uint64_t seed) {
+    const points::PointCloud cloud{model.mesh.positions, model.mesh.normals, model.mesh.colors};
+    points::OrderedCloud ordered = points::order(cloud, 1 + cloud.positions.size() * seed / 256);
+    require(!ordered.cloud.positions.empty());
+    const mesh::Mesh points = points::as_mesh(cloud);
+    codec::Points content;
+    content.levels = points::measured_levels(metric::SurfaceIndex(points), points, ordered);
+    content.cloud = std::move(ordered.cloud);
+    content.grid = codec::point_grid(mesh::bounds(points));
+    content.origin = model.origin;
+    const Result<codec::EncodedPoints> encoded = codec::encode_points(content);
+    require(encoded.ok());
+    const Result<codec::DecodedPoints> decoded = codec::decode_points(encoded->glb);
+    require(decoded.ok());
+    require(decoded->points == content.cloud.positions.size());
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -72,6 +94,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     limits.vertices = limits.triangles = max_elements;
     const auto* bytes = reinterpret_cast<const std::byte*>(data + 2);
     Result<mesh::Model> model = importer::import_model({bytes, size - 2}, format, importer::no_side_files(), limits);
-    if (model) bake_model(*std::move(model), data[1]);
+    if (!model) return 0;
+    if (model->kind == mesh::Kind::points)
+        bake_cloud(*model, data[1]);
+    else
+        bake_model(*std::move(model), data[1]);
     return 0;
 }

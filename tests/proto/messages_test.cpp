@@ -211,6 +211,35 @@ TEST(PlanResponse, PrintsEveryNameOfTheContract) {
     EXPECT_TRUE(json["left_out"].is_array());
 }
 
+TEST(PlanResponse, TellsOfPointsWhereThereAreAny) {
+    PlanResponse response;
+    EXPECT_EQ(to_json(response).find("points"), std::string::npos);
+    response.budget.points = 900;
+    response.level.points = 800;
+    response.crossing = {12.0, 0.25, 3.5};
+    const auto again = parse_plan_response(to_json(response));
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(again->budget.points, 900u);
+    EXPECT_EQ(again->level.points, 800u);
+    ASSERT_TRUE(again->crossing);
+    EXPECT_EQ(again->crossing->distance, 12.0);
+    EXPECT_EQ(again->crossing->triangles_px, 0.25);
+    EXPECT_EQ(again->crossing->points_px, 3.5);
+}
+
+TEST(PlanRequest, NamesWhatALevelMayBeMadeOf) {
+    const auto request =
+        parse_plan_request(R"({"asset":"a","device":{"cpu_mhz":300,"points_per_second":5e5},"primitives":"any"})");
+    ASSERT_TRUE(request) << request.error().message;
+    EXPECT_EQ(request->primitives, Primitives::any);
+    EXPECT_EQ(request->budget.device.points_per_second, 5e5);
+    EXPECT_FALSE(parse_plan_request(R"({"asset":"a","device":{"cpu_mhz":300},"primitives":"voxels"})"));
+    EXPECT_FALSE(parse_plan_request(R"({"asset":"a","device":{"cpu_mhz":300,"points_per_second":0}})"));
+    for (const Primitives primitives : {Primitives::triangles, Primitives::points, Primitives::any})
+        EXPECT_EQ(parse_primitives(primitives_name(primitives)).value(), primitives);
+    EXPECT_FALSE(parse_primitives("Points"));
+}
+
 TEST(PlanResponse, NamesWhatIsMissing) {
     EXPECT_EQ(parse_plan_response(R"({"dlr":1,"ncp":1})").error().message, "budget is missing");
     EXPECT_EQ(parse_assets("{}").error().message, "assets is missing");

@@ -18,7 +18,7 @@ Report constructed() {
     report.machine.cpu_mhz = 2000.0;
     report.machine.cpu_cores = 2;
     report.machine.memory_mb = 4096.0;
-    report.graphics = {{3e6, 1.5, 9}, {2e6, 2.5, 9}, {1e8, 0.5, 9}, 0.25};
+    report.graphics = {{3e6, 1.5, 9}, {2e6, 2.5, 9}, {5e6, 1.0, 9}, {1e8, 0.5, 9}, 0.25};
     report.cpu_single = {5e8, 1.0, 15};
     report.cpu_all = {9e8, 1.0, 15};
     report.renderer = "llvmpipe";
@@ -37,6 +37,7 @@ TEST(Probe, ItsJsonIsADeviceFile) {
     EXPECT_EQ(request->budget.device.gpu, budget::Gpu::none);
     EXPECT_EQ(*request->budget.device.memory_mb, 4096.0);
     EXPECT_EQ(*request->budget.device.triangles_per_second, 2e6);  // the lower rate
+    EXPECT_EQ(*request->budget.device.points_per_second, 5e6);
     EXPECT_FALSE(request->budget.display);
 }
 
@@ -73,7 +74,7 @@ TEST(Probe, MeasuresThisDevice) {
     const auto report = measure();
     ASSERT_TRUE(report) << report.error().message;
     for (const Rate& rate : {report->graphics.gouraud_triangles, report->graphics.flat_triangles,
-                             report->graphics.pixels, report->cpu_single, report->cpu_all}) {
+                             report->graphics.points, report->graphics.pixels, report->cpu_single, report->cpu_all}) {
         EXPECT_GT(rate.per_second, 0.0);
         EXPECT_GE(rate.runs, 1u);
         EXPECT_LE(rate.uncertainty_percent, 100.0);

@@ -60,6 +60,10 @@ inline AssetResult asset_result(const std::string& name) {
         out.ladder.push_back(rung);
     }
     out.asset.hierarchy = proto::Hierarchy{12, 3, 2'000, 9'000, 0.5, 40.0};
+    out.points = {{"L0", 500, 0.97, 0.99, 0.98}, {"all", 0, 0.95, 0.97, 0.96}};
+    out.crowd_instances = 27;
+    out.choices = {{"phone", 1.5, {100, 900, 1.0, {3.0, 1.0}}, {100, 1'600, 1.0, {9.0, 4.0}}, false},
+                   {"phone", 96.0, {100, 900, 1.0, {0.5, 0.0}}, {20, 400, 0.5, {0.4, 0.0}}, true}};
     out.hlod = {{480, 470, 1, 900, 9.0, 1.5, {6.0, 2.0}}, {1'920, 1'900, 4, 3'000, 3.0, 2.5, {2.0, 0.5}}};
     out.split_device = "desktop";
     for (const double d : {0.0, 0.5, 1.0})

@@ -51,6 +51,20 @@ TEST(Sections, HlodHasTheTilesOfScenesBesideTheirLadder) {
     EXPECT_THAT(section(sections(data), "hlod").text_html, HasSubstr("No scene"));
 }
 
+TEST(Sections, PointsHaveTheirScoresAndThePlansChoices) {
+    ReportData data = testing::report_data();
+    const std::vector<Section> all = sections(data);
+    EXPECT_EQ(section(all, "points").rows.rows.size(), 2u);
+    EXPECT_EQ(section(all, "points").shown->rows.size(), 2u);
+    EXPECT_EQ(section(all, "points").plots[0].series.size(), 2u);
+    EXPECT_THAT(section(all, "points").text_html, HasSubstr("2 of 2 rows"));
+    data.assets[0].choices[0].chose_points = true;
+    EXPECT_THAT(section(sections(data), "points").text_html, HasSubstr("1 of 2 rows"));
+    data.assets[0].points.clear();
+    data.assets[0].choices.clear();
+    EXPECT_THAT(section(sections(data), "points").text_html, HasSubstr("No model"));
+}
+
 TEST(Sections, EveryRowHasACellForEveryColumn) {
     for (const Section& s : sections(testing::report_data())) {
         EXPECT_FALSE(s.rows.rows.empty()) << s.key;

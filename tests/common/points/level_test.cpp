@@ -68,5 +68,12 @@ TEST(Level, BetweenTwoMeasuredOnes) {
     EXPECT_EQ(level_of(levels, 0).points, 0u);
 }
 
+// Of a long thin model's points half as many are farther apart than by the square root of two, or less.
+TEST(Level, NoLevelHasLargerDiscsThanACoarserOne) {
+    const std::vector<Level> levels{{400, {1, 2}, 1.0}, {200, {2, 3}, 1.1}, {100, {4, 6}, 2.0}};
+    for (std::uint64_t points = 399; points > 100; --points)
+        EXPECT_LE(level_of(levels, points + 1).radius, level_of(levels, points).radius) << points;
+}
+
 }  // namespace
 }  // namespace lodestream::points

@@ -1,13 +1,14 @@
 #include "common/points/order.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "common/base/random.h"
 #include "common/points/resample.h"
 #include "tests/support/meshes.h"
-
-#include <gtest/gtest.h>
+#include "tests/support/threads.h"
 
 namespace lodestream::points {
 namespace {
@@ -144,6 +145,19 @@ TEST(Order, TenMillionPoints) {
     const OrderedCloud ordered = order(cloud, 100'000);
     EXPECT_EQ(ordered.cloud.positions.size(), 100'000u);
     EXPECT_LT(ordered.spacings.back(), 0.01f);
+}
+
+TEST(Order, IsTheSameForEveryExecutor) {
+    const PointCloud cloud = random_sphere(120'000);
+    const OrderedCloud alone = order(cloud, 60'000);
+    const simplify::Executor backwards = [](std::size_t count, const std::function<void(std::size_t)>& task) {
+        for (std::size_t k = count; k-- > 0;) task(k);
+    };
+    for (const simplify::Executor& executor : {backwards, simplify::Executor(testing::on_threads)}) {
+        const OrderedCloud ordered = order(cloud, 60'000, executor);
+        EXPECT_EQ(ordered.cloud.positions, alone.cloud.positions);
+        EXPECT_EQ(ordered.spacings, alone.spacings);
+    }
 }
 
 }  // namespace

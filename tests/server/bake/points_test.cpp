@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+
 #include "server/bake/bake.h"
 #include "server/bake/surface_colors.h"
 #include "tests/support/meshes.h"
@@ -50,6 +52,19 @@ TEST_F(PointsTest, AModelFarAwayKeepsItsPlace) {
     const codec::Points points = baked(std::move(model));
     for (const Vec3f& p : points.cloud.positions)
         ASSERT_LT(glm::length(points.origin + Vec3d(p) - Vec3d(1e7, -2e6, 5)), 1.01);
+}
+
+TEST_F(PointsTest, EveryCutCanBeReadAgain) {
+    mesh::Model needle = sphere_model(30);
+    for (Vec3f& p : needle.mesh.positions) p *= Vec3f(1.0f, 0.02f, 0.02f);
+    const codec::Points points = baked(needle);
+    for (std::uint64_t count = 1; count <= points.cloud.positions.size(); count += 1 + count / 16) {
+        const auto encoded = codec::encode_points(cut_points(points, count));
+        ASSERT_TRUE(encoded) << count;
+        const auto decoded = codec::decode_points(encoded->glb);
+        ASSERT_TRUE(decoded) << count << ": " << decoded.error().message;
+        EXPECT_EQ(decoded->points, count);
+    }
 }
 
 TEST_F(PointsTest, CutsAreLevelsOfTheirOwn) {
@@ -102,6 +117,73 @@ TEST(SurfaceColors, ABrokenImageIsWhite) {
     model.materials[0].base_color_texture.image = 0;
     model.images.push_back({"image/png", std::vector<std::byte>(9), 1, 1});
     EXPECT_EQ(SurfaceColors(model, model.mesh).at(0, {1, 0, 0}), Rgba8(255, 255, 255, 255));
+}
+
+mesh::Model cloud_model(std::uint32_t n) {
+    mesh::Model model = sphere_model(n);
+    model.kind = mesh::Kind::points;
+    model.mesh.triangles.clear();
+    model.mesh.colors.assign(model.mesh.positions.size(), {10, 20, 30, 255});
+    model.mesh.colors.front() = {200, 20, 30, 255};
+    return model;
+}
+
+TEST_F(PointsTest, ACloudIsBakedAsItself) {
+    const mesh::Model model = cloud_model(40);
+    const std::size_t count = model.mesh.positions.size();
+    const codec::Points points = baked(model);
+    EXPECT_EQ(points.cloud.positions.size(), count);
+    EXPECT_EQ(points.cloud.normals.size(), count);
+    EXPECT_EQ(points.cloud.colors.size(), count);
+    ASSERT_GT(points.levels.size(), 3u);
+    EXPECT_LT(points.levels.front().error.max, 1e-3);
+    EXPECT_GT(points.levels.back().error.max, 0.5);
+    const proto::Asset asset = *store.asset("model");
+    EXPECT_EQ(asset.kind, "points");
+    EXPECT_EQ(asset.triangles, 0u);
+    EXPECT_EQ(asset.vertices, count);
+    EXPECT_EQ(asset.status, proto::AssetStatus::ready);
+    ASSERT_TRUE(asset.bounds_max);
+    EXPECT_NEAR((*asset.bounds_max)[1], 1.0, 1e-6);
+}
+
+TEST_F(PointsTest, OnePointAndManyInOnePlaceAreClouds) {
+    mesh::Model one;
+    one.kind = mesh::Kind::points;
+    one.materials.resize(1);
+    one.mesh.positions = {{3, 4, 5}};
+    EXPECT_EQ(baked(one).cloud.positions.size(), 1u);
+    one.mesh.positions.assign(1000, {3, 4, 5});
+    EXPECT_EQ(baked(one).cloud.positions.size(), 1u);
+}
+
+TEST_F(PointsTest, AnEmptyCloudIsRefused) {
+    mesh::Model none;
+    none.kind = mesh::Kind::points;
+    none.materials.resize(1);
+    proto::Asset asset;
+    asset.id = asset.name = "none";
+    EXPECT_FALSE(bake(store, asset, none));
+}
+
+TEST_F(PointsTest, MakingThemCanBeCancelledAtEveryStep) {
+    const mesh::Model model = sphere_model(20);
+    const metric::SurfaceIndex original(model.mesh);
+    int steps = 0;
+    ASSERT_TRUE(store.put_asset([] {
+        proto::Asset asset;
+        asset.id = asset.name = "model";
+        return asset;
+    }()));
+    ASSERT_TRUE(make_points(store, "model", model, model.mesh, original, [&](double) { return ++steps > 0; }));
+    EXPECT_GT(steps, 4);
+    for (int allowed = 0; allowed < steps; ++allowed) {
+        std::atomic<int> seen = 0;
+        const Status made =
+            make_points(store, "model", model, model.mesh, original, [&](double) { return ++seen <= allowed; });
+        ASSERT_FALSE(made) << allowed;
+        EXPECT_EQ(made.error().code, ErrorCode::unavailable);
+    }
 }
 
 }  // namespace

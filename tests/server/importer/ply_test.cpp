@@ -152,10 +152,44 @@ TEST(ImportPly, DropsFacesOutOfRange) {
     EXPECT_TRUE(mentions(model.warnings, "2 faces dropped: vertex index out of range"));
 }
 
-TEST(ImportPly, PointsOnlySaysSo) {
-    EXPECT_THAT(
-        import_ply("ply\nformat ascii 1.0\nelement vertex 2\n" + xyz + "end_header\n0 0 0\n1 0 0\n").error().message,
-        HasSubstr("2 points but no triangles"));
+TEST(ImportPly, AFileWithoutFacesIsACloud) {
+    const auto model = import_ply(
+        "ply\nformat ascii 1.0\nelement vertex 3\n" + xyz +
+        "property float nx\nproperty float ny\nproperty float nz\nproperty uchar red\nproperty uchar "
+        "green\nproperty uchar blue\nend_header\n0 0 0 0 0 2 255 0 0\nnan 0 0 0 0 1 0 255 0\n1 0 0 0 1 0 0 0 255\n");
+    ASSERT_TRUE(model) << model.error().message;
+    EXPECT_EQ(model->kind, mesh::Kind::points);
+    EXPECT_TRUE(model->mesh.triangles.empty());
+    ASSERT_EQ(model->mesh.positions.size(), 2u);
+    EXPECT_EQ(model->mesh.positions[1], Vec3f(1, 0, 0));
+    EXPECT_EQ(model->mesh.normals[0], Vec3f(0, 0, 1));
+    EXPECT_EQ(model->mesh.colors[1], Rgba8(0, 0, 255, 255));
+    EXPECT_TRUE(mentions(model.warnings, "1 point dropped: coordinates not finite"));
+}
+
+TEST(ImportPly, ACloudWhereSomeNormalsAreMissingHasNone) {
+    const auto model = import_ply("ply\nformat ascii 1.0\nelement vertex 2\n" + xyz +
+                                  "property float nx\nproperty float ny\nproperty float nz\nend_header\n"
+                                  "0 0 0 0 0 1\n1 0 0 0 0 0\n");
+    ASSERT_TRUE(model) << model.error().message;
+    EXPECT_TRUE(model->mesh.normals.empty());
+    EXPECT_TRUE(mentions(model.warnings, "normals left out: some points have none"));
+}
+
+TEST(ImportPly, ACloudFarAwayKeepsItsMillimetres) {
+    const auto model = import_ply(
+        "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\n"
+        "property double z\nend_header\n4500000.001 5300000 300\n4500001.002 5300000 300\n");
+    ASSERT_TRUE(model) << model.error().message;
+    const Vec3d apart = Vec3d(model->mesh.positions[1]) - Vec3d(model->mesh.positions[0]);
+    EXPECT_NEAR(apart.x, 1.001, 1e-6);
+}
+
+TEST(ImportPly, AFileWhoseFacesAreAllWrongIsNoCloud) {
+    EXPECT_FALSE(import_ply("ply\nformat ascii 1.0\nelement vertex 2\n" + xyz + "element face 1\n" + faces +
+                            "end_header\n0 0 0\n1 0 0\n3 0 1 7\n"));
+    EXPECT_FALSE(import_ply("ply\nformat ascii 1.0\nelement vertex 0\n" + xyz + "end_header\n"));
+    EXPECT_FALSE(import_ply("ply\nformat ascii 1.0\nelement vertex 1\n" + xyz + "end_header\nnan 0 0\n"));
 }
 
 }  // namespace

@@ -13,9 +13,11 @@ namespace lodestream::testing {
 inline void expect_sane(const mesh::Model& model, const std::string& name) {
     const mesh::Mesh& m = model.mesh;
     const std::size_t n = m.positions.size();
-    ASSERT_FALSE(m.triangles.empty()) << name;
+    const bool is_cloud = model.kind == mesh::Kind::points;
+    ASSERT_EQ(m.triangles.empty(), is_cloud) << name;
+    ASSERT_GT(n, 0u) << name;
     ASSERT_FALSE(model.materials.empty()) << name;
-    ASSERT_EQ(m.normals.size(), n) << name;
+    ASSERT_TRUE(m.normals.size() == n || (is_cloud && m.normals.empty())) << name;
     ASSERT_TRUE(m.texture_coordinates.empty() || m.texture_coordinates.size() == n) << name;
     ASSERT_TRUE(m.colors.empty() || m.colors.size() == n) << name;
     ASSERT_TRUE(m.triangle_materials.empty() || m.triangle_materials.size() == m.triangles.size()) << name;

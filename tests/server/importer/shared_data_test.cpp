@@ -45,8 +45,7 @@ TEST(SharedData, EveryModelImportsToSaneGeometry) {
     LODESTREAM_NEED_SHARED_DATA();
     const fs::path root = testing::shared_data();
     // Valid files without one triangle to show, and images that are textures or colour-coded heights.
-    const std::vector<std::string> refused = {"gltf/empty_nodes.glb", "hard/degenerate_mesh.obj",
-                                              "hard/points_only.ply"};
+    const std::vector<std::string> refused = {"gltf/empty_nodes.glb", "hard/degenerate_mesh.obj"};
     for (const char* folder : {"classic", "scan", "scene", "terrain", "gltf", "hard"})
         for (const fs::path& file : models_below(root / folder)) {
             if (file.extension() == ".png") continue;

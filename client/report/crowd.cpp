@@ -1,0 +1,159 @@
+#include "client/report/crowd.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/directions.h"
+
+namespace lodestream::report {
+namespace {
+
+double share(std::uint64_t part, std::uint64_t missing) {
+    return part + missing == 0 ? 1.0 : static_cast<double>(part) / static_cast<double>(part + missing);
+}
+
+// Everything drawn is black, on white: what a material emits aside, only the silhouette is left.
+render::DrawOptions silhouette_options(const budget::Display& canvas) {
+    render::DrawOptions options;
+    options.width = canvas.width;
+    options.height = canvas.height;
+    options.samples = 1;
+    options.phong = {0.0, 0.0, 0.0, 1.0};
+    return options;
+}
+
+std::size_t level_at(double distance_radii) {
+    std::size_t level = 0;
+    while (level + 1 < crowd_levels && distance_radii >= level_distances[level + 1]) ++level;
+    return level;
+}
+
+double eye_distance(const CrowdModel& model, const Vec3d& offset, const Vec3d& eye) {
+    return glm::length(model.bounds.center() + offset - eye) / model.bounds.radius();
+}
+
+Result<std::vector<bool>> drawn_silhouette(render::Renderer& renderer, const shading::View& view,
+                                           render::DrawOptions options, std::vector<render::Instance> instances) {
+    options.instances = std::move(instances);
+    const Result<render::Frame> frame = renderer.draw(view, options);
+    if (!frame) return frame.error();
+    return silhouette(frame->image);
+}
+
+// Of the same instances; a crowd's is what any of its parts covers.
+struct Silhouettes {
+    std::vector<bool> full, points;
+
+    void join(const Silhouettes& part) {
+        full.resize(part.full.size());
+        points.resize(part.points.size());
+        for (std::size_t i = 0; i < full.size(); ++i) {
+            if (part.full[i]) full[i] = true;
+            if (part.points[i]) points[i] = true;
+        }
+    }
+    SilhouetteScore score() const {
+        SilhouetteScore score;
+        for (std::size_t i = 0; i < full.size(); ++i) {
+            score.both += full[i] && points[i];
+            score.full_alone += full[i] && !points[i];
+            score.points_alone += !full[i] && points[i];
+        }
+        return score;
+    }
+};
+
+class Scorer {
+  public:
+    Scorer(CrowdModel& model, const CrowdOptions& options)
+        : model_(model), options_(options), drawing_(silhouette_options(options.canvas)) {}
+
+    Status add_view(const shading::View& view) {
+        const std::array<std::uint32_t, 3> sides{options_.side, options_.side, options_.side};
+        std::array<std::vector<render::Instance>, crowd_levels> parts;
+        for (const render::Instance& instance : crowd_of(model_, sides, options_.spacing, view.eye))
+            parts[level_at(eye_distance(model_, instance.offset, view.eye))].push_back(instance);
+        Silhouettes crowd;
+        for (std::size_t level = 0; level < crowd_levels; ++level) {
+            if (parts[level].empty()) continue;
+            score_.instances[level] += parts[level].size();
+            const auto part = draw(view, parts[level]);
+            if (!part) return part.error();
+            score_.by_level[level].add(part->score());
+            crowd.join(*part);
+        }
+        score_.all.add(crowd.score());
+        return Nothing{};
+    }
+    const CrowdScore& score() const { return score_; }
+
+  private:
+    Result<Silhouettes> draw(const shading::View& view, const std::vector<render::Instance>& instances) {
+        auto full = drawn_silhouette(model_.full, view, drawing_, instances);
+        if (!full) return full.error();
+        auto points = drawn_silhouette(model_.points, view, drawing_, instances);
+        if (!points) return points.error();
+        return Silhouettes{*std::move(full), *std::move(points)};
+    }
+
+    CrowdModel& model_;
+    CrowdOptions options_;
+    render::DrawOptions drawing_;
+    CrowdScore score_;
+};
+
+}  // namespace
+
+double SilhouetteScore::recall() const {
+    return share(both, full_alone);
+}
+double SilhouetteScore::precision() const {
+    return share(both, points_alone);
+}
+double SilhouetteScore::f_measure() const {
+    const double sum = recall() + precision();
+    return sum > 0.0 ? 2.0 * recall() * precision() / sum : 0.0;
+}
+void SilhouetteScore::add(const SilhouetteScore& other) {
+    both += other.both;
+    points_alone += other.points_alone;
+    full_alone += other.full_alone;
+}
+
+std::vector<render::Instance> crowd_of(const CrowdModel& model, const std::array<std::uint32_t, 3>& sides,
+                                       double spacing, const Vec3d& eye) {
+    std::vector<render::Instance> crowd;
+    const double step = spacing * model.bounds.radius();
+    const auto place = [&](std::uint32_t i, int axis) { return step * (i - 0.5 * (sides[axis] - 1.0)); };
+    for (std::uint32_t x = 0; x < sides[0]; ++x)
+        for (std::uint32_t y = 0; y < sides[1]; ++y)
+            for (std::uint32_t z = 0; z < sides[2]; ++z) {
+                const Vec3d offset(place(x, 0), place(y, 1), place(z, 2));
+                crowd.push_back({offset, model.levels[level_at(eye_distance(model, offset, eye))]});
+            }
+    return crowd;
+}
+
+std::vector<bool> silhouette(const render::Image& image) {
+    std::vector<bool> covered(image.pixels());
+    for (std::size_t i = 0; i < covered.size(); ++i) {
+        const std::uint8_t* rgba = &image.rgba[4 * i];
+        covered[i] = rgba[0] != 255 || rgba[1] != 255 || rgba[2] != 255;
+    }
+    return covered;
+}
+
+Result<CrowdScore> score_crowd(CrowdModel& model, const CrowdOptions& options, const std::function<bool()>& going_on) {
+    Scorer scorer(model, options);
+    shading::View view;
+    view.target = model.bounds.center();
+    for (const double orbit : orbit_distances)
+        for (std::size_t i = 0; i < options.directions; ++i) {
+            if (going_on && !going_on()) return fail(ErrorCode::unavailable, "interrupted");
+            view.eye = view.target + spread_direction(i, options.directions) * (orbit * model.bounds.radius());
+            if (Status added = scorer.add_view(view); !added) return added.error();
+        }
+    return scorer.score();
+}
+
+}  // namespace lodestream::report

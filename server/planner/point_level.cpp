@@ -1,0 +1,106 @@
+#include "server/planner/point_level.h"
+
+#include <algorithm>
+
+#include "common/points/level.h"
+#include "proto/records.h"
+#include "server/bake/bake.h"
+#include "server/bake/points.h"
+#include "server/bake/stopwatch.h"
+
+namespace lodestream::planner {
+
+namespace {
+
+constexpr std::uint64_t header_bytes =
+    2048;  // of a file of points, at most; its levels are at most as many as measured
+
+std::uint64_t bytes_per_point(const points::PointCloud& cloud) {
+    return 8 + (cloud.normals.empty() ? 0 : 4) + (cloud.colors.empty() ? 0 : 4);
+}
+
+// The fewest points whose discs are no larger than what is invisible.
+std::uint64_t points_shown(const std::vector<points::Level>& levels, double pixels_per_unit) {
+    if (levels.empty()) return 0;
+    std::uint64_t low = 1, high = levels.front().points;
+    while (low < high) {
+        const std::uint64_t middle = low + (high - low) / 2;
+        if (points::level_of(levels, middle).radius * pixels_per_unit <= invisible_px)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return high;
+}
+
+double visible(double error_px) {
+    return std::max(error_px, invisible_px);
+}
+
+}  // namespace
+
+Result<PointLevel> plan_points(const store::Store& store, const std::string& asset_id, const budget::Request& request,
+                               double pixels_per_unit) {
+    Result<codec::Points> points = bake::load_points(store, asset_id);
+    if (!points) return points.error();
+    PointLevel level;
+    level.points = *std::move(points);
+    const std::vector<points::Level>& levels = level.points.levels;
+    if (levels.empty()) return fail(ErrorCode::not_found, "asset '" + asset_id + "' has no points");
+    const Result<budget::PointBudget> budget =
+        budget::derive_point_budget(request, {levels.front().points, points_shown(levels, pixels_per_unit),
+                                              header_bytes, bytes_per_point(level.points.cloud)});
+    if (!budget) return budget.error();
+    level.budget = *budget;
+    level.bytes = header_bytes + level.budget.points * bytes_per_point(level.points.cloud);
+    level.error_px = shown_share_of_radius * points::level_of(levels, level.budget.points).radius * pixels_per_unit;
+    return level;
+}
+
+bool points_win(const Rivals& rivals) {
+    const double triangles_px = visible(rivals.triangles_px), points_px = visible(rivals.points_px);
+    if (points_px != triangles_px) return points_px < triangles_px;
+    return rivals.points_bytes < rivals.triangles_bytes;
+}
+
+// Errors on the screen fall with the distance from the sphere's nearest point, both alike. So points that cost more
+// bytes never win for good, and cheaper ones do once their error cannot be seen.
+std::optional<double> crossing_distance(const Rivals& rivals) {
+    if (rivals.points_bytes >= rivals.triangles_bytes) return std::nullopt;
+    if (rivals.points_px <= rivals.triangles_px) return 0.0;
+    const double here = std::max(rivals.distance - rivals.radius, 0.0);
+    return rivals.radius + here * rivals.points_px / invisible_px;
+}
+
+Status add_points(proto::PlanResponse& response, store::Store& store, const std::string& asset_id,
+                  const PointLevel& level, double pixels_per_unit) {
+    const std::uint64_t count = level.budget.points;
+    const points::Level measured = points::level_of(level.points.levels, count);
+    response.level = {};
+    response.level.points = count;
+    response.level.vertices = count;
+    response.level.rms_error = measured.error.rms;
+    response.level.max_error = measured.error.max;
+    response.level.screen_space_error_px = measured.error.max * pixels_per_unit;
+    response.shading = {};
+    response.shading.mode = "points";
+    response.content.profile = proto::profile_name(proto::Profile::plain);
+
+    const std::string key = std::string(bake::points_key) + "/" + std::to_string(count);
+    Result<store::Store::Content> stored = store.content(asset_id, key);
+    if (!stored) {
+        const bake::Stopwatch encoding;
+        Result<codec::EncodedPoints> encoded = codec::encode_points(bake::cut_points(level.points, count));
+        if (!encoded) return encoded.error();
+        response.timing_ms.encode = encoding.ms();
+        if (Result<store::StoredFile> file = store.put_content(asset_id, key, "glb", encoded->glb); !file)
+            return file.error();
+        stored = store.content(asset_id, key);
+        if (!stored) return stored.error();
+    }
+    response.content.url = bake::content_url(stored->file.hash);
+    response.content.bytes = stored->file.bytes;
+    return Nothing{};
+}
+
+}  // namespace lodestream::planner

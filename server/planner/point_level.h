@@ -1,0 +1,47 @@
+// The other half of a plan: the asset's points instead of its triangles, and which of the two serves better.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/base/result.h"
+#include "common/budget/budget.h"
+#include "common/codec/points_codec.h"
+#include "common/shading/view.h"
+#include "proto/messages.h"
+#include "server/store/store.h"
+
+namespace lodestream::planner {
+
+inline constexpr double invisible_px = 0.5;  // what is smaller is not told apart by whom it is shown to
+// Points show about this much of their discs' radius as error. Measured: tests/bench/bench_points.cpp.
+inline constexpr double shown_share_of_radius = 0.25;
+
+struct PointLevel {
+    codec::Points points;  // all of the asset's
+    budget::PointBudget budget;
+    std::uint64_t bytes = 0;  // of that level, at most
+    double error_px = 0.0;    // what the level of that budget shows, in the view
+};
+
+// Errors: not_found (the asset has no points), those of reading and decoding, invalid_input.
+Result<PointLevel> plan_points(const store::Store& store, const std::string& asset_id, const budget::Request& request,
+                               double pixels_per_unit);
+
+// One level of triangles beside one of points, as seen from `distance` of the bounding sphere's centre.
+struct Rivals {
+    double triangles_px = 0.0, points_px = 0.0;  // errors shown
+    std::uint64_t triangles_bytes = 0, points_bytes = 0;
+    double distance = 0.0, radius = 0.0;  // model units; of the sphere
+};
+// Less error shown wins; where neither shows any, fewer bytes.
+bool points_win(const Rivals& rivals);
+// The distance from which on points win with these two levels: none where they never do, 0 where they always do.
+std::optional<double> crossing_distance(const Rivals& rivals);
+
+// Encodes and stores the level, unless the store has it; fills level, shading and content.
+Status add_points(proto::PlanResponse& response, store::Store& store, const std::string& asset_id,
+                  const PointLevel& level, double pixels_per_unit);
+
+}  // namespace lodestream::planner

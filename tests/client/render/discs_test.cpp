@@ -1,0 +1,241 @@
+// Point clouds as the renderer draws them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "client/render/gl_context.h"
+#include "client/render/renderer.h"
+#include "common/points/order.h"
+#include "common/points/resample.h"
+#include "tests/support/meshes.h"
+
+namespace lodestream::render {
+namespace {
+
+using shading::View;
+
+const View from_front{{0, 0, 4}, {0, 0, 0}, 45.0, {0, 0, 1}};
+
+const Vec4f grey{0.5f, 0.5f, 0.5f, 1.0f};  // never as white as the background, however lit
+
+DrawOptions canvas(std::uint32_t side, std::uint32_t samples = 1) {
+    DrawOptions options;
+    options.width = options.height = side;
+    options.samples = samples;
+    return options;
+}
+
+mesh::Model model_of(mesh::Mesh mesh) {
+    mesh::Model model;
+    model.mesh = std::move(mesh);
+    model.materials.resize(1);
+    model.materials[0].base_color = grey;
+    return model;
+}
+
+codec::Points points_of(const mesh::Mesh& mesh, std::uint64_t count) {
+    points::OrderedCloud ordered = points::order(points::resample(mesh, points::choose_parameters(mesh, count)), count);
+    codec::Points content;
+    content.levels = points::measured_levels(metric::SurfaceIndex(mesh), mesh, ordered);
+    content.cloud = std::move(ordered.cloud);
+    content.base_color = grey;
+    return content;
+}
+
+std::size_t covered(const Image& image) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4)
+        count += image.rgba[i] != 255 || image.rgba[i + 1] != 255 || image.rgba[i + 2] != 255;
+    return count;
+}
+
+class DiscsTest : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        auto made_context = create_headless_context();
+        ASSERT_TRUE(made_context) << made_context.error().message;
+        context.emplace(*std::move(made_context));
+        auto made_renderer = Renderer::create();
+        ASSERT_TRUE(made_renderer) << made_renderer.error().message;
+        renderer.emplace(*std::move(made_renderer));
+    }
+
+    template <class Content>
+    Image picture(const Content& content, const View& view, const DrawOptions& options) {
+        const auto uploaded = renderer->upload(content);
+        EXPECT_TRUE(uploaded) << uploaded.error().message;
+        const auto frame = renderer->draw(view, options);
+        EXPECT_TRUE(frame) << frame.error().message;
+        return frame ? frame->image : Image{};
+    }
+
+    std::optional<GlContext> context;
+    std::optional<Renderer> renderer;  // goes before its context
+};
+
+// Of the two silhouettes: what both cover over what either does.
+double agreement(const Difference& difference) {
+    return 1.0 - 0.01 * difference.silhouette_percent;
+}
+
+TEST_F(DiscsTest, ASphereOfPointsHasTheSpheresSilhouetteAndShading) {
+    const mesh::Mesh sphere = testing::sphere(60);
+    const Image full = picture(drawable(model_of(sphere), sphere), from_front, canvas(256));
+    for (const std::uint64_t count : {500u, 2000u, 8000u}) {
+        const Image points = picture(points_of(sphere, count), from_front, canvas(256));
+        const auto difference = compare(full, points);
+        ASSERT_TRUE(difference);
+        EXPECT_GT(agreement(*difference), count < 1000 ? 0.93 : 0.97) << count;
+        EXPECT_LT(difference->rms, count < 1000 ? 40.0 : 25.0) << count;
+    }
+}
+
+TEST_F(DiscsTest, NoLevelOfAClosedSurfaceHasAHole) {
+    const mesh::Mesh sphere = testing::sphere(60);
+    const codec::Points cloud = points_of(sphere, 4000);
+    ASSERT_TRUE(renderer->upload(cloud));
+    DrawOptions options = canvas(200);
+    for (const std::uint64_t count : {100u, 333u, 1000u, 4000u}) {
+        options.instances = {{{}, count}};
+        const auto frame = renderer->draw(from_front, options);
+        ASSERT_TRUE(frame);
+        EXPECT_EQ(frame->points, count);
+        // The sphere of radius 1 at distance 4 covers 0.58 of the height; a little inside of it nothing may be free.
+        const double radius = 100.0 / std::tan(radians(22.5)) / std::sqrt(15.0) * 0.9;
+        for (std::uint32_t y = 0; y < 200; ++y)
+            for (std::uint32_t x = 0; x < 200; ++x)
+                if (std::hypot(x - 99.5, y - 99.5) < radius) {
+                    ASSERT_NE(frame->image.rgba[4 * (200 * y + x)], 255) << count << " points at " << x << ", " << y;
+                }
+    }
+}
+
+TEST_F(DiscsTest, FarAwayPointsCoverWhatTheMeshCovers) {
+    const mesh::Mesh sphere = testing::sphere(60);
+    const codec::Points cloud = points_of(sphere, 4000);
+    for (const double distance : {20.0, 60.0, 150.0}) {  // 29, 10 and 4 px
+        const View view{{0.3 * distance, 0, distance}, {0, 0, 0}, 45.0, {0, 0, 1}};
+        const Image full = picture(drawable(model_of(sphere), sphere), view, canvas(256));
+        const Image points = picture(cloud, view, canvas(256));
+        EXPECT_NEAR(static_cast<double>(covered(points)), static_cast<double>(covered(full)),
+                    std::max(1.0, 0.05 * static_cast<double>(covered(full))))
+            << distance;
+    }
+}
+
+TEST_F(DiscsTest, SamplesSmoothTheOutlineAsTheyDoForTriangles) {
+    const mesh::Mesh sphere = testing::sphere(60);
+    const Image full = picture(drawable(model_of(sphere), sphere), from_front, canvas(128, 4));
+    const Image points = picture(points_of(sphere, 8000), from_front, canvas(128, 4));
+    const auto difference = compare(full, points);
+    ASSERT_TRUE(difference);
+    EXPECT_LT(difference->rms, 25.0);
+    EXPECT_GT(agreement(*difference), 0.96);
+}
+
+TEST_F(DiscsTest, APlaneSeenEdgeOnShowsNothingOfItsDiscs) {
+    codec::Points plane = points_of(testing::flat_grid(8), 2000);
+    const View along{{4, 0, 30}, {4, 0, 4}, 45.0, {0, 1, 0}};
+    EXPECT_LT(covered(picture(plane, along, canvas(128))), 128u);  // at most a line
+    const View above{{4, 20, 4.001}, {4, 0, 4}, 45.0, {0, 1, 0}};
+    EXPECT_GT(covered(picture(plane, above, canvas(128))), 2500u);  // 8 of 16.6 units, squared
+}
+
+TEST_F(DiscsTest, DiscsWithoutNormalsFaceTheEye) {
+    codec::Points cloud = points_of(testing::sphere(30), 1000);
+    cloud.cloud.normals.clear();
+    for (const Vec3d eye : {Vec3d(0, 0, 4), Vec3d(4, 0, 0), Vec3d(0, 4, 0)})
+        EXPECT_GT(covered(picture(cloud, {eye, {0, 0, 0}, 45.0, {0, 0, 1}}, canvas(128))), 4000u);
+}
+
+TEST_F(DiscsTest, OnePointIsADiscOfItsOwn) {
+    codec::Points cloud;
+    cloud.cloud.positions = {{0, 0, 0}};
+    cloud.cloud.normals = {{0, 0, 1}};
+    cloud.levels = {{1, {}, 0.5}};
+    cloud.base_color = grey;
+    // Radius 0.5 at distance 4: 0.5 * 128 / 2 / tan(22.5°) / 4 = 19.3 px.
+    const std::size_t pixels = covered(picture(cloud, from_front, canvas(128)));
+    EXPECT_NEAR(static_cast<double>(pixels), pi * 19.3 * 19.3, 40.0);
+}
+
+TEST_F(DiscsTest, AnEmptyCloudIsTheBackgroundAlone) {
+    EXPECT_EQ(covered(picture(codec::Points{}, from_front, canvas(32))), 0u);
+    codec::Points cloud = points_of(testing::sphere(10), 100);
+    ASSERT_TRUE(renderer->upload(cloud));
+    DrawOptions options = canvas(32);
+    options.instances = {{{}, 0}};
+    const auto none = renderer->draw(from_front, options);
+    ASSERT_TRUE(none);
+    EXPECT_EQ(covered(none->image), 0u);
+    options.instances.clear();
+    const auto nobody = renderer->draw(from_front, options);
+    ASSERT_TRUE(nobody);
+    EXPECT_EQ(covered(nobody->image), 0u);
+}
+
+TEST_F(DiscsTest, ModelsOfAnySizeDrawAlike) {
+    const std::size_t usual = covered(picture(points_of(testing::sphere(30), 1000), from_front, canvas(128)));
+    for (const double scale : {1e-9, 1e9}) {
+        mesh::Mesh sphere = testing::sphere(30);
+        for (Vec3f& p : sphere.positions) p *= static_cast<float>(scale);
+        const View view{from_front.eye * scale, {0, 0, 0}, 45.0, {0, 0, 1}};
+        EXPECT_NEAR(static_cast<double>(covered(picture(points_of(sphere, 1000), view, canvas(128)))),
+                    static_cast<double>(usual), 8.0)
+            << scale;
+    }
+}
+
+TEST_F(DiscsTest, AnEyeInsideTheCloudDrawsSomethingFinite) {
+    const codec::Points cloud = points_of(testing::sphere(30), 3000);
+    for (const Vec3d eye : {Vec3d(0, 0, 0), Vec3d(0, 0, 0.999), Vec3d(1e-9, 0, 0), Vec3d(0, 0, 1)})
+        picture(cloud, {eye, {3, 0, 0}, 45.0, {0, 0, 1}}, canvas(64));
+}
+
+TEST_F(DiscsTest, WrongCloudsAreRefused) {
+    codec::Points cloud = points_of(testing::sphere(10), 100);
+    cloud.cloud.positions[3].y = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_FALSE(renderer->upload(cloud));
+    cloud = points_of(testing::sphere(10), 100);
+    cloud.cloud.normals.pop_back();
+    EXPECT_FALSE(renderer->upload(cloud));
+    cloud = points_of(testing::sphere(10), 100);
+    cloud.levels.front().radius = std::numeric_limits<double>::infinity();
+    EXPECT_FALSE(renderer->upload(cloud));
+}
+
+TEST_F(DiscsTest, InstancesStandWhereTheyAreToldAndHideEachOther) {
+    const mesh::Mesh sphere = testing::sphere(30);
+    const codec::Points cloud = points_of(sphere, 3000);
+    const View far{{0, 0, 16}, {0, 0, 0}, 45.0, {0, 0, 1}};
+    for (const bool as_points : {false, true}) {
+        const auto uploaded =
+            as_points ? renderer->upload(cloud) : renderer->upload(drawable(model_of(sphere), sphere));
+        ASSERT_TRUE(uploaded);
+        DrawOptions options = canvas(256);
+        const std::size_t one = covered(renderer->draw(far, options)->image);
+        options.instances = {{{-3, 0, 0}}, {{0, 0, 0}}, {{3, 0, 0}}};
+        const auto three = renderer->draw(far, options);
+        ASSERT_TRUE(three);
+        EXPECT_NEAR(static_cast<double>(covered(three->image)), 3.0 * static_cast<double>(one),
+                    0.1 * static_cast<double>(one));
+        EXPECT_EQ(three->draw_calls, 3u);
+        options.instances = {{{0, 0, -5}}, {{0, 0, 0}}};  // one behind the other
+        EXPECT_NEAR(static_cast<double>(covered(renderer->draw(far, options)->image)), static_cast<double>(one), 2.0);
+        options.instances = {{{0, 0, 30}}, {{500, 0, 0}}};  // behind the eye, beside the picture
+        const auto none = renderer->draw(far, options);
+        ASSERT_TRUE(none);
+        EXPECT_EQ(none->draw_calls, 0u);
+        EXPECT_EQ(covered(none->image), 0u);
+        options.instances = {{{std::numeric_limits<double>::infinity(), 0, 0}}};
+        EXPECT_FALSE(renderer->draw(far, options));
+        options.instances = {{{1e300, 0, 0}}, {{0, 0, 0}}};
+        EXPECT_TRUE(renderer->draw(far, options));
+    }
+}
+
+}  // namespace
+}  // namespace lodestream::render

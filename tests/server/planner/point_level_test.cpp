@@ -1,0 +1,212 @@
+#include "server/planner/point_level.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "common/mesh/operations.h"
+#include "server/bake/bake.h"
+#include "server/bake/points.h"
+#include "server/planner/planner.h"
+#include "tests/support/meshes.h"
+#include "tests/support/temporary_folder.h"
+
+namespace lodestream::planner {
+namespace {
+
+// A sphere, and a thousand small triangles that no simplifier can join.
+struct Baked {
+    testing::TemporaryFolder folder;
+    store::Store store = *store::Store::open(folder.path());
+    Planner planner{store};
+
+    Baked() {
+        add("sphere", testing::sphere(60));
+        std::mt19937 random(7);
+        std::uniform_real_distribution<float> place(-1.0f, 1.0f), size(-0.02f, 0.02f);
+        mesh::Mesh leaves;
+        for (int i = 0; i < 6000; ++i) {
+            const Vec3f at(place(random), place(random), place(random));
+            const auto first = static_cast<std::uint32_t>(leaves.positions.size());
+            for (int k = 0; k < 3; ++k)
+                leaves.positions.push_back(at + Vec3f(size(random), size(random), size(random)));
+            leaves.triangles.push_back({first, first + 1, first + 2});
+        }
+        add("leaves", mesh::with_normals(leaves, 60.0));
+        add("cloud", testing::sphere(60), mesh::Kind::points);
+    }
+    void add(const std::string& name, mesh::Mesh mesh, mesh::Kind kind = mesh::Kind::mesh) {
+        if (kind == mesh::Kind::points) mesh.triangles.clear();
+        mesh::Model model;
+        model.kind = kind;
+        model.mesh = std::move(mesh);
+        model.materials.resize(1);
+        proto::Asset asset;
+        asset.id = asset.name = name;
+        const auto done = bake::bake(store, asset, std::move(model));
+        EXPECT_TRUE(done) << (done ? "" : done.error().message);
+    }
+};
+
+Baked& baked() {
+    static Baked instance;
+    return instance;
+}
+
+proto::PlanRequest request_for(const std::string& asset, proto::Primitives primitives, double mhz = 300.0) {
+    proto::PlanRequest request;
+    request.asset = asset;
+    request.budget.device.cpu_mhz = mhz;
+    request.primitives = primitives;
+    return request;
+}
+
+codec::Points content_of(const proto::PlanResponse& plan) {
+    const std::string hash = plan.content.url.substr(plan.content.url.rfind('/') + 1, 64);
+    const auto bytes = store::read_file(baked().store.file(hash, "glb")->path, 1 << 30);
+    EXPECT_EQ(bytes->size(), plan.content.bytes);
+    auto decoded = codec::decode_points(*bytes);
+    EXPECT_TRUE(decoded) << (decoded ? "" : decoded.error().message);
+    return decoded->content;
+}
+
+TEST(PointPlan, SendsTheDevicesShareAsOneLevel) {
+    auto request = request_for("sphere", proto::Primitives::points);
+    request.budget.reference.triangles = 6400;
+    const auto plan = baked().planner.plan(request);
+    ASSERT_TRUE(plan) << plan.error().message;
+    EXPECT_EQ(plan->level.points, 564u);  // as many as the contract's triangles
+    EXPECT_EQ(plan->budget.points, 564u);
+    EXPECT_EQ(plan->budget.limited_by, "device");
+    EXPECT_EQ(plan->level.triangles, 0u);
+    EXPECT_EQ(plan->shading.gouraud + plan->shading.flat, 0u);
+    EXPECT_EQ(plan->shading.mode, "points");
+    EXPECT_GT(plan->level.rms_error, 0.0);
+    const codec::Points content = content_of(*plan);
+    EXPECT_EQ(content.cloud.positions.size(), 564u);
+    ASSERT_FALSE(content.levels.empty());
+    EXPECT_GT(content.levels.front().radius, 0.0);
+}
+
+TEST(PointPlan, TheSamePlanComesFromTheStore) {
+    const auto request = request_for("sphere", proto::Primitives::points, 500.0);
+    const auto first = baked().planner.plan(request), again = baked().planner.plan(request);
+    ASSERT_TRUE(first && again);
+    EXPECT_EQ(again->content.url, first->content.url);
+    EXPECT_EQ(again->level.points, first->level.points);
+    EXPECT_EQ(again->level.max_error, first->level.max_error);
+    EXPECT_EQ(again->timing_ms.encode, 0.0);
+}
+
+TEST(PointPlan, PointsThatTheViewCannotTellApartAreLeftOut) {
+    auto request = request_for("sphere", proto::Primitives::points, 1e6);
+    request.view = shading::View{{0, 0, 400}, {0, 0, 0}, 45.0, {0, 0, 1}};
+    const auto far = baked().planner.plan(request);
+    ASSERT_TRUE(far);
+    EXPECT_EQ(far->budget.limited_by, "display");
+    EXPECT_LT(far->level.points, 200u);  // the sphere is 3.6 px wide
+    request.view->eye.z = 3.0;
+    EXPECT_GT(baked().planner.plan(request)->level.points, 5000u);
+}
+
+TEST(PointPlan, NeverMoreThanTheBudgetWhateverTheDevice) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> exponent(-3.0, 9.0);
+    for (int i = 0; i < 200; ++i) {
+        auto request = request_for("sphere", proto::Primitives::points, std::pow(10.0, exponent(random)));
+        if (i % 2) request.budget.device.memory_mb = std::pow(10.0, exponent(random));
+        if (i % 3 == 0) request.budget.network = budget::Network{std::pow(10.0, exponent(random) - 3.0), 10.0, 3.0};
+        if (i % 5 == 0) request.budget.preference.triangles = 1 + static_cast<std::uint64_t>(random() % 10'000);
+        if (i % 7 == 0) request.budget.device.points_per_second = std::pow(10.0, exponent(random));
+        const auto plan = baked().planner.plan(request);
+        ASSERT_TRUE(plan) << plan.error().message;
+        EXPECT_GE(plan->level.points, 1u);
+        EXPECT_EQ(plan->level.points, *plan->budget.points);
+        if (request.budget.network && plan->budget.feasible) {
+            EXPECT_LE(static_cast<double>(plan->content.bytes), budget::network_bytes(request.budget));
+        }
+    }
+}
+
+TEST(PointPlan, AMeasuredRateOfPointsIsTheDevicesOwn) {
+    auto request = request_for("sphere", proto::Primitives::points);
+    request.budget.device.points_per_second = 30'000;
+    EXPECT_EQ(baked().planner.plan(request)->level.points, 1000u);  // at 30 frames a second
+}
+
+TEST(AnyPrimitives, ASmoothSurfaceIsSentAsTriangles) {
+    const auto plan = baked().planner.plan(request_for("sphere", proto::Primitives::any));
+    ASSERT_TRUE(plan);
+    EXPECT_GT(plan->level.triangles, 0u);
+    EXPECT_EQ(plan->level.points, 0u);
+    EXPECT_TRUE(plan->budget.points);
+}
+
+TEST(AnyPrimitives, WhatIsSentShowsTheSmallerErrorOrTheFewerBytes) {
+    for (const double distance : {2.5, 10.0, 100.0, 1000.0}) {
+        auto request = request_for("leaves", proto::Primitives::any);
+        request.view = shading::View{{0, 0, distance}, {0, 0, 0}, 45.0, {0, 0, 1}};
+        const auto any = baked().planner.plan(request);
+        request.primitives = proto::Primitives::triangles;
+        const auto triangles = baked().planner.plan(request);
+        request.primitives = proto::Primitives::points;
+        const auto points = baked().planner.plan(request);
+        ASSERT_TRUE(any && triangles && points);
+        EXPECT_TRUE(any->content.url == triangles->content.url || any->content.url == points->content.url);
+        EXPECT_EQ(any->level.points > 0, any->content.url == points->content.url);
+        EXPECT_LE(any->level.triangles, any->budget.triangles);
+    }
+}
+
+TEST(PointPlan, ACloudIsSentAsPointsOrRefusedAsTriangles) {
+    for (const auto primitives : {proto::Primitives::points, proto::Primitives::any}) {
+        const auto plan = baked().planner.plan(request_for("cloud", primitives));
+        ASSERT_TRUE(plan) << plan.error().message;
+        EXPECT_GT(plan->level.points, 0u);
+        EXPECT_EQ(plan->level.triangles, 0u);
+        EXPECT_EQ(content_of(*plan).cloud.positions.size(), plan->level.points);
+    }
+    const auto refused = baked().planner.plan(request_for("cloud", proto::Primitives::triangles));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::conflict);
+    EXPECT_NE(refused.error().message.find("\"points\""), std::string::npos);
+    EXPECT_FALSE(baked().planner.cut("cloud", 100));
+}
+
+TEST(Rivals, LessErrorWinsAndWhereNoneShowsFewerBytes) {
+    EXPECT_TRUE(points_win({4.0, 2.0, 100, 900, 10.0, 1.0}));
+    EXPECT_FALSE(points_win({2.0, 4.0, 900, 100, 10.0, 1.0}));
+    EXPECT_TRUE(points_win({0.1, 0.4, 900, 100, 10.0, 1.0}));
+    EXPECT_FALSE(points_win({0.1, 0.4, 100, 900, 10.0, 1.0}));
+    EXPECT_FALSE(points_win({0.1, 0.1, 100, 100, 10.0, 1.0}));
+}
+
+TEST(Rivals, TheCrossingIsWherePointsBeginToWin) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> px(0.0, 8.0);
+    for (int i = 0; i < 300; ++i) {
+        Rivals here{px(random), px(random), random() % 1000, random() % 1000, 1.5 + px(random), 1.0};
+        const auto crossing = crossing_distance(here);
+        const auto seen_from = [&](double distance) {
+            Rivals there = here;
+            const double nearer = (here.distance - here.radius) / (distance - here.radius);
+            there.triangles_px *= nearer;
+            there.points_px *= nearer;
+            there.distance = distance;
+            return points_win(there);
+        };
+        EXPECT_EQ(seen_from(1e9), crossing.has_value());
+        if (!crossing || *crossing <= here.radius) continue;
+        EXPECT_TRUE(seen_from(*crossing * 1.001));
+        if (here.triangles_px < here.points_px) {
+            EXPECT_FALSE(seen_from(here.radius + (*crossing - here.radius) * 0.999));
+        }
+    }
+    EXPECT_EQ(crossing_distance({5.0, 1.0, 900, 100, 10.0, 1.0}), 0.0);
+    EXPECT_EQ(crossing_distance({5.0, 1.0, 100, 900, 10.0, 1.0}), std::nullopt);
+}
+
+}  // namespace
+}  // namespace lodestream::planner
