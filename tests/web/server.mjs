@@ -102,10 +102,12 @@ export async function collect_plans(url, device_files) {
   const glbs = [];
   for (const file of device_files) {
     const device = JSON.parse(await readFile(file));
-    for (const asset of (await list_assets(url)).filter(({ status }) => status === "ready")) {
-      const { plan, glb } = await fetch_plan(url, { asset: asset.name, ...device });
-      glbs.push({ ...glb, name: `${asset.name}, ${plan.content.profile} plan for ${path.basename(file, ".json")}` });
-    }
+    for (const asset of (await list_assets(url)).filter(({ status }) => status === "ready"))
+      for (const primitives of asset.kind === "points" ? ["points"] : ["triangles", "points"]) {
+        const { plan, glb } = await fetch_plan(url, { asset: asset.name, ...device, primitives });
+        const what = primitives === "points" ? "points" : plan.content.profile;
+        glbs.push({ ...glb, name: `${asset.name}, ${what} plan for ${path.basename(file, ".json")}` });
+      }
   }
   return glbs;
 }

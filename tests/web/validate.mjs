@@ -39,6 +39,7 @@ function differences(ours, theirs) {
   for (const shading of ["gouraud", "flat"])
     if (ours[shading] !== theirs[shading])
       problems.push(`three.js: ${theirs[shading]} ${shading} triangles, our decoder: ${ours[shading]}`);
+  if (ours.points !== theirs.points) problems.push(`three.js: ${theirs.points} points, our decoder: ${ours.points}`);
   if (theirs.wrongly_shaded > 0) problems.push(`three.js: ${theirs.wrongly_shaded} primitives with the wrong shading`);
   if (theirs.wrong_boxes > 0) problems.push(`three.js: ${theirs.wrong_boxes} accessors whose min and max are not their data's`);
   if (theirs.pixels === 0) problems.push("three.js: draws nothing");

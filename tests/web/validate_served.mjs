@@ -19,6 +19,7 @@ const models = [
   "hard/mat_test.mtl",
   "hard/cycloidal_100comp_color.ply",
   "hard/edge_with_four_triangles.off",
+  "hard/points_only.ply", // a cloud
   "hard/large_block_offset.STL",
   "classic/dragon_11k_res4.ply", // non-manifold
   "terrain/stubai_10m_georef_window.obj", // far from the origin

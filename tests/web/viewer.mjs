@@ -54,9 +54,13 @@ function dispose(meshes) {
 window.measure = async (url) => {
   const { scene } = await loader.loadAsync(url);
   const meshes = [];
-  scene.traverse((node) => node.isMesh && meshes.push(node));
-  const found = { gouraud: 0, flat: 0, wrongly_shaded: 0, wrong_boxes: 0 };
-  for (const { geometry, material } of meshes) {
+  scene.traverse((node) => (node.isMesh || node.isPoints) && meshes.push(node));
+  const found = { gouraud: 0, flat: 0, points: 0, wrongly_shaded: 0, wrong_boxes: 0 };
+  for (const { geometry, material, isPoints } of meshes) {
+    if (isPoints) {
+      found.points += geometry.attributes.position.count;
+      continue;
+    }
     const is_flat = geometry.attributes.normal === undefined;
     found[is_flat ? "flat" : "gouraud"] += (geometry.index ?? geometry.attributes.position).count / 3;
     found.wrong_boxes += Number(has_wrong_box(geometry));

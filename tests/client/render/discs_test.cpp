@@ -4,12 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
-#include "client/render/gl_context.h"
 #include "client/render/renderer.h"
 #include "common/points/order.h"
 #include "common/points/resample.h"
+#include "tests/client/render/with_renderer.h"
 #include "tests/support/meshes.h"
 
 namespace lodestream::render {
@@ -52,17 +51,8 @@ std::size_t covered(const Image& image) {
     return count;
 }
 
-class DiscsTest : public ::testing::Test {
+class DiscsTest : public testing::WithRenderer {
   protected:
-    void SetUp() override {
-        auto made_context = create_headless_context();
-        ASSERT_TRUE(made_context) << made_context.error().message;
-        context.emplace(*std::move(made_context));
-        auto made_renderer = Renderer::create();
-        ASSERT_TRUE(made_renderer) << made_renderer.error().message;
-        renderer.emplace(*std::move(made_renderer));
-    }
-
     template <class Content>
     Image picture(const Content& content, const View& view, const DrawOptions& options) {
         const auto uploaded = renderer->upload(content);
@@ -71,9 +61,6 @@ class DiscsTest : public ::testing::Test {
         EXPECT_TRUE(frame) << frame.error().message;
         return frame ? frame->image : Image{};
     }
-
-    std::optional<GlContext> context;
-    std::optional<Renderer> renderer;  // goes before its context
 };
 
 // Of the two silhouettes: what both cover over what either does.

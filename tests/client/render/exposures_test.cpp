@@ -1,8 +1,8 @@
 // Pictures of several moments: motion blur.
 #include <gtest/gtest.h>
 
-#include "client/render/gl_context.h"
 #include "client/render/renderer.h"
+#include "tests/client/render/with_renderer.h"
 #include "tests/support/meshes.h"
 
 namespace lodestream::render {
@@ -10,15 +10,11 @@ namespace {
 
 using shading::View;
 
-class ExposuresTest : public ::testing::Test {
+class ExposuresTest : public testing::WithRenderer {
   protected:
     void SetUp() override {
-        auto made_context = create_headless_context();
-        ASSERT_TRUE(made_context) << made_context.error().message;
-        context.emplace(*std::move(made_context));
-        auto made_renderer = Renderer::create();
-        ASSERT_TRUE(made_renderer) << made_renderer.error().message;
-        renderer.emplace(*std::move(made_renderer));
+        WithRenderer::SetUp();
+        ASSERT_TRUE(renderer);
         mesh::Model model;
         model.mesh = testing::sphere(16);
         model.materials.emplace_back().base_color = {0, 0, 0, 1};
@@ -36,8 +32,6 @@ class ExposuresTest : public ::testing::Test {
         return frame ? frame->image : Image{};
     }
 
-    std::optional<GlContext> context;
-    std::optional<Renderer> renderer;
     DrawOptions options{.width = 96, .height = 96, .samples = 4};
 };
 

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <numeric>
 
-#include "client/render/gl_context.h"
 #include "client/render/renderer.h"
 #include "client/render/vertex_order.h"
 #include "common/mesh/operations.h"
 #include "common/shading/importance.h"
 #include "common/shading/split_control.h"
+#include "tests/client/render/with_renderer.h"
 #include "tests/support/meshes.h"
 
 namespace lodestream::render {
@@ -142,17 +142,8 @@ TEST(VertexOrder, TransformsFewerVerticesThanTheOrderOfImportanceAlone) {
     EXPECT_EQ(transforms_per_triangle({}), 0.0);
 }
 
-class MovableRendererTest : public ::testing::Test {
+class MovableRendererTest : public testing::WithRenderer {
   protected:
-    void SetUp() override {
-        auto made_context = create_headless_context();
-        ASSERT_TRUE(made_context) << made_context.error().message;
-        context.emplace(*std::move(made_context));
-        auto made_renderer = Renderer::create();
-        ASSERT_TRUE(made_renderer) << made_renderer.error().message;
-        renderer.emplace(*std::move(made_renderer));
-    }
-
     Image picture(const View& view) {
         const auto frame = renderer->draw(view, options);
         EXPECT_TRUE(frame) << frame.error().message;
@@ -167,8 +158,6 @@ class MovableRendererTest : public ::testing::Test {
         return difference->rms * difference->rms / (255.0 * 255.0) * static_cast<double>(difference->compared_pixels);
     }
 
-    std::optional<GlContext> context;
-    std::optional<Renderer> renderer;  // goes before its context
     DrawOptions options{.width = 320, .height = 240, .samples = 1};
 };
 

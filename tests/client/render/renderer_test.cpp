@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "client/render/gl_context.h"
+#include "tests/client/render/with_renderer.h"
 #include "tests/support/meshes.h"
 
 namespace lodestream::render {
@@ -24,17 +24,8 @@ double to_srgb(double linear) {
     return 255.0 * (x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055);
 }
 
-class RendererTest : public ::testing::Test {
+class RendererTest : public testing::WithRenderer {
   protected:
-    void SetUp() override {
-        auto made_context = create_headless_context();
-        ASSERT_TRUE(made_context) << made_context.error().message;
-        context.emplace(*std::move(made_context));
-        auto made_renderer = Renderer::create();
-        ASSERT_TRUE(made_renderer) << made_renderer.error().message;
-        renderer.emplace(*std::move(made_renderer));
-    }
-
     Image picture(const Decoded& content, const View& view, const DrawOptions& options = small) {
         const auto uploaded = renderer->upload(content);
         EXPECT_TRUE(uploaded) << uploaded.error().message;
@@ -42,9 +33,6 @@ class RendererTest : public ::testing::Test {
         EXPECT_TRUE(frame) << frame.error().message;
         return frame ? frame->image : Image{};
     }
-
-    std::optional<GlContext> context;
-    std::optional<Renderer> renderer;  // goes before its context
 };
 
 const std::uint8_t* pixel(const Image& image, std::uint32_t x, std::uint32_t y) {

@@ -96,6 +96,45 @@ TEST(ServerUrl, RefusesWhatIsNoHttpServer) {
     EXPECT_FALSE(parse_server_url(std::string(1 << 20, 'a')));
 }
 
+// A plan of `points` points and the file that it names, which holds three.
+std::vector<lodestream::testing::CannedReply> replies_with_points(std::uint64_t points, std::uint64_t budget) {
+    codec::Points content;
+    content.cloud.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    Box box;
+    for (const Vec3f& p : content.cloud.positions) box.add(Vec3d(p));
+    content.grid = codec::point_grid(box);
+    content.levels = {{3, {0.1, 0.2}, 0.5}};
+    const auto encoded = codec::encode_points(content);
+    EXPECT_TRUE(encoded);
+    const std::string glb(reinterpret_cast<const char*>(encoded->glb.data()), encoded->glb.size());
+    proto::PlanResponse plan;
+    plan.content.url = "/v1/content/points.glb";
+    plan.content.bytes = glb.size();
+    plan.level.points = points;
+    plan.budget.points = budget;
+    plan.budget.limited_by = "device";
+    return {{json_reply(proto::to_json(plan))}, {http_reply(200, glb_type, glb)}};
+}
+
+TEST(Client, LoadsPointsWhereThePlanSendsThem) {
+    CannedServer server(replies_with_points(3, 10));
+    proto::PlanRequest request = pda();
+    request.primitives = proto::Primitives::points;
+    const auto loaded = open(server).load(request);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    ASSERT_TRUE(loaded->points);
+    EXPECT_EQ(loaded->points->cloud.positions.size(), 3u);
+    EXPECT_TRUE(loaded->content.primitives.empty());
+    EXPECT_THAT(server.requests().front(), HasSubstr("\"primitives\":\"points\""));
+}
+
+TEST(Client, RefusesPointsThatContradictThePlan) {
+    CannedServer fewer(replies_with_points(4, 10));
+    EXPECT_THAT(open(fewer).load(pda()).error().message, HasSubstr("holds 3 points, the plan said 4"));
+    CannedServer over(replies_with_points(3, 2));
+    EXPECT_THAT(open(over).load(pda()).error().message, HasSubstr("level.points exceeds the budget"));
+}
+
 TEST(Client, ListsAssetsOverOneKeptConnection) {
     const std::string list = proto::to_json(std::vector<proto::Asset>{teapot(proto::AssetStatus::ready)});
     CannedServer server({{json_reply(list)}, {json_reply(list)}});
