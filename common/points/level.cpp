@@ -11,6 +11,16 @@ namespace {
 // Of a disc's radius over the spacing: the points that order() chose from are themselves apart.
 constexpr double covering = 1.35;
 
+// Where the cloud is used up, its last points are as near to others as any two happen to be, which says nothing of the
+// gaps between the rest. So a half and a quarter of the points tell too: on a surface, twice as many are closer by
+// the square root of two.
+double radius_of(const std::vector<float>& spacings, std::uint64_t points) {
+    double spacing = spacings[points - 1];
+    for (const std::uint64_t part : {2, 4})
+        spacing = std::max(spacing, spacings[(points - 1) / part] / std::sqrt(static_cast<double>(part)));
+    return covering * spacing;
+}
+
 }  // namespace
 
 mesh::Mesh as_mesh(const PointCloud& cloud) {
@@ -38,10 +48,10 @@ std::vector<Level> measured_levels(const metric::SurfaceIndex& original, const m
                                    const OrderedCloud& ordered, const simplify::Executor& executor) {
     std::vector<Level> levels;
     for (std::uint64_t points = ordered.cloud.positions.size(); points > 0; points /= 2) {
-        levels.push_back({points, {}, covering * ordered.spacings[points - 1]});
+        levels.push_back({points, {}, radius_of(ordered.spacings, points)});
         if (points / 2 < fewest_measured) break;
     }
-    if (!levels.empty() && levels.back().points > 1) levels.push_back({1, {}, covering * ordered.spacings[0]});
+    if (!levels.empty() && levels.back().points > 1) levels.push_back({1, {}, radius_of(ordered.spacings, 1)});
     simplify::run(executor, levels.size(),
                   [&](std::size_t k) { levels[k].error = measure(original, mesh, ordered.cloud, levels[k].points); });
     for (std::size_t k = 1; k < levels.size(); ++k) {

@@ -14,7 +14,7 @@
 #include "common/metric/surface_distance.h"
 #include "common/points/level.h"
 #include "common/points/resample.h"
-#include "common/simplify/executor.h"
+#include "common/simplify/history.h"
 #include "server/bake/executor.h"
 #include "server/importer/importer.h"
 #include "server/samples/samples.h"
@@ -34,6 +34,7 @@ struct Arguments {
     std::uint32_t directions = 8;
     std::string picture_folder;
     bool parameters = false;
+    bool share = false;
     std::vector<std::uint32_t> crowds;
 };
 
@@ -124,6 +125,8 @@ class Bench {
         std::cout << to_text(table);
         if (arguments_.parameters)
             for (const std::string& name : arguments_.models) vary(name);
+        if (arguments_.share)
+            for (const std::string& name : arguments_.models) compare_with_levels(name);
         if (!arguments_.crowds.empty())
             for (const std::string& name : arguments_.models) time_crowds(name);
     }
@@ -225,6 +228,41 @@ class Bench {
         std::cout << "\n" << name << ": parameters\n" << to_text(table);
     }
 
+    // What a plan weighs against each other (server/planner/point_level.h): the RMS distance of the level of triangles
+    // whose picture errs as much as that of the points, over the radius of their discs.
+    void compare_with_levels(const std::string& name) {
+        const mesh::Model model = load(name);
+        const simplify::History history = checked(simplify::record_history(mesh::Mesh(model.mesh)));
+        const metric::SurfaceIndex index(model.mesh);
+        const Cloud cloud = make_cloud(model, model.mesh.triangles.size() / 2, how_);
+        report::CrowdModel crowd = upload(model, cloud.content, {});
+        std::vector<TableRow> table{{"points", "radius px", "error", "triangles", "RMS px", "RMS / radius"}};
+        shading::View view = shading::framing_view(crowd.bounds);
+        render::DrawOptions options;
+        options.width = options.height = 800;
+        options.samples = 1;
+        const render::Image full = checked(full_.draw(view, options)).image;
+        const double px = shading::pixels_per_unit(view, crowd.bounds, {options.width, options.height});
+        const auto error_of = [&](render::Renderer& renderer) {
+            return checked(render::compare(full, checked(renderer.draw(view, options)).image)).rms;
+        };
+        for (std::uint64_t points = 64; points <= cloud.content.cloud.positions.size(); points *= 4) {
+            options.instances = {{{}, points}};
+            const double error = error_of(points_);
+            std::uint64_t low = 4, high = model.mesh.triangles.size();
+            while (low + low / 16 + 1 < high) {
+                const std::uint64_t middle = (low + high) / 2;
+                checked(full_.upload(render::drawable(model, simplify::cut(history, middle))));
+                (error_of(full_) > error ? low : high) = middle;
+            }
+            const double rms = metric::measure(index, model.mesh, simplify::cut(history, high)).rms * px;
+            const double radius = points::level_of(cloud.content.levels, points).radius * px;
+            table.push_back({std::to_string(points), fixed(radius, 2), fixed(error, 2), std::to_string(high),
+                             fixed(rms, 3), fixed(rms / radius, 4)});
+        }
+        std::cout << "\n" << name << ": points and triangles of the same picture error\n" << to_text(table);
+    }
+
     // Frames a second of a square of instances, full models against points by distance.
     void time_crowds(const std::string& name) {
         const mesh::Model model = load(name);
@@ -273,6 +311,7 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     app.add_option("--pictures", arguments.picture_folder, "Write a picture of each model there");
     app.add_flag("--parameters", arguments.parameters, "F over filters, T1 and T3");
+    app.add_flag("--share", arguments.share, "The level of triangles that errs as much as the points do");
     app.add_option("--crowds", arguments.crowds, "Frame times of squares of that many instances a side");
     app.footer("Example:\n  lodestream_bench_points sample:teapot bunny.ply --pictures out --crowds 5 11 17");
     CLI11_PARSE(app, argc, argv);

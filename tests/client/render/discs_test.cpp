@@ -100,6 +100,20 @@ TEST_F(DiscsTest, NoLevelOfAClosedSurfaceHasAHole) {
     }
 }
 
+TEST_F(DiscsTest, LargeCloudsAreDrawnWhole) {
+    codec::Points cloud;
+    for (int i = 0; i < 400'000; ++i) {
+        const double height = 1.0 - 2.0 * (i + 0.5) / 400'000.0, around = std::sqrt(1.0 - height * height);
+        cloud.cloud.positions.emplace_back(around * std::cos(2.4 * i), height, around * std::sin(2.4 * i));
+    }
+    cloud.cloud.normals = cloud.cloud.positions;
+    cloud.levels = {{400'000, {}, 0.01}};
+    cloud.base_color = grey;
+    const double radius = 64.0 / std::tan(radians(22.5)) / std::sqrt(15.0);
+    const Image image = picture(cloud, from_front, canvas(128));
+    EXPECT_NEAR(static_cast<double>(covered(image)), pi * radius * radius, 0.03 * pi * radius * radius);
+}
+
 TEST_F(DiscsTest, FarAwayPointsCoverWhatTheMeshCovers) {
     const mesh::Mesh sphere = testing::sphere(60);
     const codec::Points cloud = points_of(sphere, 4000);

@@ -56,6 +56,21 @@ TEST(Level, HalvesAreMeasuredFinestFirst) {
     }
 }
 
+// Every place twice, a hair apart: the finest level's last points are the twins of others.
+TEST(Level, AUsedUpCloudStillCoversItsSurface) {
+    const mesh::Mesh mesh = testing::sphere(40);
+    PointCloud cloud = resample(mesh, choose_parameters(mesh, 2000));
+    const std::size_t once = cloud.positions.size();
+    for (std::size_t i = 0; i < once; ++i) {
+        cloud.positions.push_back(cloud.positions[i] * 1.0001f);
+        cloud.normals.push_back(cloud.normals[i]);
+    }
+    const std::vector<Level> levels = measured_levels(metric::SurfaceIndex(mesh), mesh, order(cloud, ~0ull));
+    EXPECT_GT(levels[0].points, once);
+    EXPECT_GT(levels[0].radius, 0.02);  // of about 4,000 places on the unit sphere
+    EXPECT_LT(levels[0].radius, 0.2);
+}
+
 TEST(Level, BetweenTwoMeasuredOnes) {
     const std::vector<Level> levels{{400, {1, 2}, 1.0}, {200, {2, 3}, 1.4}, {100, {4, 6}, 2.0}};
     EXPECT_EQ(level_of(levels, 1000).points, 400u);
