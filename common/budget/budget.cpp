@@ -200,11 +200,11 @@ Result<Budget> derive_budget(const Request& request, const AssetCost& asset) {
 
 Result<PointBudget> derive_point_budget(const Request& request, const PointCost& cost) {
     if (Status valid = validate(request); !valid) return valid.error();
-    const double fps = clamped_fps(request.preference.target_fps);
-    const double previous = request.reference.triangles ? static_cast<double>(*request.reference.triangles)
-                                                        : reference_triangles_per_second / fps;
+    AssetCost asset;
+    asset.triangles = cost.triangles > 0 ? cost.triangles : std::numeric_limits<std::uint64_t>::max();
+    const double previous = static_cast<double>(previous_polygons(request, asset));
     Least least{request.device.points_per_second
-                    ? *request.device.points_per_second / fps
+                    ? *request.device.points_per_second / clamped_fps(request.preference.target_fps)
                     : std::min(previous * device_share(request) * points_per_triangle, max_triangles)};
     if (const std::optional<double> up = wanted(request.preference, whole_triangles(least.value)))
         least.limit(*up, LimitedBy::user);

@@ -19,7 +19,7 @@ inline constexpr double min_target_fps = 1.0;
 inline constexpr double max_target_fps = 1000.0;
 inline constexpr double memory_share_for_level = 0.25;    // of the device's memory
 inline constexpr double drawn_bytes_per_triangle = 64.0;  // vertex and index buffers plus the decoder's working set
-inline constexpr double points_per_triangle = 1.0;        // drawn in the same time, where points were not measured
+inline constexpr double points_per_triangle = 0.5;        // drawn in the same time, where points were not measured
 inline constexpr double drawn_bytes_per_point = 64.0;     // its vertex and the decoder's working set
 inline constexpr double max_triangles = 4294967295.0;     // triangle counts are 32 bits wide in every mesh
 
@@ -123,6 +123,7 @@ Result<Budget> derive_budget(const Request& request, const AssetCost& asset);
 // What an asset's points cost, for the limits that are not the device's.
 struct PointCost {
     std::uint64_t points = 0;       // all there are
+    std::uint64_t triangles = 0;    // of the full model; 0: it has none
     std::uint64_t shown = 0;        // more of them than this the view cannot tell apart
     std::uint64_t fixed_bytes = 0;  // sent with any number of them
     std::uint64_t bytes_per_point = 1;
@@ -135,7 +136,8 @@ struct PointBudget {
 };
 
 // As derive_budget() for a cloud: the device draws points_per_second / target_fps of them, or points_per_triangle for
-// each triangle of equation 2's NCP, whose NPP no asset caps here; the user's count is one of points.
+// each triangle of equation 2's NCP (each one the reference drew, where the model has none); the user's count is one of
+// points.
 Result<PointBudget> derive_point_budget(const Request& request, const PointCost& cost);
 
 // Table 3's prices, a polygon.

@@ -19,13 +19,13 @@ std::uint64_t bytes_per_point(const points::PointCloud& cloud) {
     return 8 + (cloud.normals.empty() ? 0 : 4) + (cloud.colors.empty() ? 0 : 4);
 }
 
-// The fewest points whose discs are no larger than what is invisible.
+// The fewest points whose discs are as small as a picture can tell.
 std::uint64_t points_shown(const std::vector<points::Level>& levels, double pixels_per_unit) {
     if (levels.empty()) return 0;
     std::uint64_t low = 1, high = levels.front().points;
     while (low < high) {
         const std::uint64_t middle = low + (high - low) / 2;
-        if (points::level_of(levels, middle).radius * pixels_per_unit <= invisible_px)
+        if (points::level_of(levels, middle).radius * pixels_per_unit <= smallest_disc_px)
             high = middle;
         else
             low = middle + 1;
@@ -39,17 +39,17 @@ double visible(double error_px) {
 
 }  // namespace
 
-Result<PointLevel> plan_points(const store::Store& store, const std::string& asset_id, const budget::Request& request,
+Result<PointLevel> plan_points(const store::Store& store, const proto::Asset& asset, const budget::Request& request,
                                double pixels_per_unit) {
-    Result<codec::Points> points = bake::load_points(store, asset_id);
+    Result<codec::Points> points = bake::load_points(store, asset.id);
     if (!points) return points.error();
     PointLevel level;
     level.points = *std::move(points);
     const std::vector<points::Level>& levels = level.points.levels;
-    if (levels.empty()) return fail(ErrorCode::not_found, "asset '" + asset_id + "' has no points");
-    const Result<budget::PointBudget> budget =
-        budget::derive_point_budget(request, {levels.front().points, points_shown(levels, pixels_per_unit),
-                                              header_bytes, bytes_per_point(level.points.cloud)});
+    if (levels.empty()) return fail(ErrorCode::not_found, "asset '" + asset.name + "' has no points");
+    const Result<budget::PointBudget> budget = budget::derive_point_budget(
+        request, {levels.front().points, asset.triangles, points_shown(levels, pixels_per_unit), header_bytes,
+                  bytes_per_point(level.points.cloud)});
     if (!budget) return budget.error();
     level.budget = *budget;
     level.bytes = header_bytes + level.budget.points * bytes_per_point(level.points.cloud);

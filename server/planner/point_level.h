@@ -14,10 +14,12 @@
 
 namespace lodestream::planner {
 
-inline constexpr double invisible_px = 0.5;  // what is smaller is not told apart by whom it is shown to
-// The RMS distance, over the radius of a level's discs, of the level of triangles whose picture errs as much. Measured by
-// lodestream_bench_points --share: 0.5 with discs of 65 px, 0.13 with 7 px; the small ones count, where a choice is close.
-inline constexpr double shown_share_of_radius = 0.125;
+inline constexpr double invisible_px = 1.0 / 32.0;  // errors below are not told apart
+// Discs of half a pixel across cover a picture's pixels one by one; smaller ones would add nothing.
+inline constexpr double smallest_disc_px = 0.25;  // radius
+// The RMS distance, over the radius of a level's discs, of the level of triangles whose picture errs as much. Measured
+// by lodestream_bench_points --share: 0.5 with discs of 65 px, 0.3 with 30 px, 0.13 with 7 px.
+inline constexpr double shown_share_of_radius = 0.25;
 
 struct PointLevel {
     codec::Points points;  // all of the asset's
@@ -27,7 +29,7 @@ struct PointLevel {
 };
 
 // Errors: not_found (the asset has no points), those of reading and decoding, invalid_input.
-Result<PointLevel> plan_points(const store::Store& store, const std::string& asset_id, const budget::Request& request,
+Result<PointLevel> plan_points(const store::Store& store, const proto::Asset& asset, const budget::Request& request,
                                double pixels_per_unit);
 
 // One level of triangles beside one of points, as seen from `distance` of the bounding sphere's centre.

@@ -285,9 +285,12 @@ Request point_request(double mhz) {
 }
 
 TEST(PointBudget, IsTheDevicesShareOfPointsASecond) {
-    const PointCost plenty{1'000'000, 1'000'000, 2048, 16};
+    const PointCost plenty{1'000'000, 0, 1'000'000, 2048, 16};
     Request request = point_request(340.0);  // a tenth of the reference
-    EXPECT_EQ(derive_point_budget(request, plenty)->points, 3333u);
+    EXPECT_EQ(derive_point_budget(request, plenty)->points, 1666u);
+    PointCost small = plenty;
+    small.triangles = 6400;  // of which the reference draws no more
+    EXPECT_EQ(derive_point_budget(request, small)->points, 320u);
     request.device.points_per_second = 60'000;
     EXPECT_EQ(derive_point_budget(request, plenty)->points, 2000u);
     request.preference.quality = 0.5;
@@ -297,10 +300,10 @@ TEST(PointBudget, IsTheDevicesShareOfPointsASecond) {
 
 TEST(PointBudget, EachLimitIsNamedWhereItBinds) {
     Request request = point_request(3400.0);
-    const PointCost plenty{1'000'000, 1'000'000, 2048, 16};
+    const PointCost plenty{1'000'000, 0, 1'000'000, 2048, 16};
     EXPECT_EQ(derive_point_budget(request, plenty)->limited_by, LimitedBy::device);
-    EXPECT_EQ(derive_point_budget(request, {1'000'000, 50, 2048, 16})->limited_by, LimitedBy::display);
-    EXPECT_EQ(derive_point_budget(request, {50, 50, 2048, 16})->limited_by, LimitedBy::asset);
+    EXPECT_EQ(derive_point_budget(request, {1'000'000, 0, 50, 2048, 16})->limited_by, LimitedBy::display);
+    EXPECT_EQ(derive_point_budget(request, {50, 0, 50, 2048, 16})->limited_by, LimitedBy::asset);
     request.network = Network{0.008, 0.0, 3.0};  // 3,000 bytes
     const auto network = derive_point_budget(request, plenty);
     EXPECT_EQ(network->limited_by, LimitedBy::network);
@@ -312,7 +315,7 @@ TEST(PointBudget, EachLimitIsNamedWhereItBinds) {
 
 TEST(PointBudget, GivesOnePointWhereNoneIsAllowedAndNoneWhereThereIsNone) {
     Request request = point_request(1e-9);
-    const auto one = derive_point_budget(request, {100, 100, 2048, 16});
+    const auto one = derive_point_budget(request, {100, 0, 100, 2048, 16});
     EXPECT_EQ(one->points, 1u);
     EXPECT_FALSE(one->feasible);
     const auto none = derive_point_budget(request, {});
@@ -320,7 +323,7 @@ TEST(PointBudget, GivesOnePointWhereNoneIsAllowedAndNoneWhereThereIsNone) {
     EXPECT_TRUE(none->feasible);
     request.device.points_per_second = std::numeric_limits<double>::quiet_NaN();
     EXPECT_FALSE(derive_point_budget(request, {}));
-    EXPECT_EQ(derive_point_budget(point_request(1e300), {~0ull, ~0ull, 0, 0})->points, 4294967295u);
+    EXPECT_EQ(derive_point_budget(point_request(1e300), {~0ull, 0, ~0ull, 0, 0})->points, 4294967295u);
 }
 
 TEST(Operations, ShadingIsOneAFlatAndFourAGouraudPolygon) {
