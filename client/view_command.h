@@ -18,7 +18,7 @@ struct ViewArguments {
     std::optional<std::uint32_t> width;  // px; else the device's display, else 800×600
     std::optional<std::uint32_t> height;
     std::string shading = "hybrid";
-    std::optional<std::string> profile;  // else the device file's, else plain
+    std::optional<std::string> profile;     // else the device file's, else plain
     std::optional<std::string> primitives;  // else the device file's, else triangles
     bool json = false;
 };
