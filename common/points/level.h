@@ -33,7 +33,8 @@ std::vector<Level> measured_levels(const metric::SurfaceIndex& original, const m
                                    const OrderedCloud& ordered, const simplify::Executor& executor = {});
 
 // A level of `count` points: it has the error of the measured one that is not finer, and the radius that its points'
-// own distance gives, at most that one's. At most as many points as there are. pre: levels as from measured_levels, not empty
+// own distance gives, at most that one's. At most as many points as there are. pre: levels as from measured_levels, not
+// empty
 Level level_of(std::span<const Level> levels, std::uint64_t count);
 
 }  // namespace lodestream::points

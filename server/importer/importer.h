@@ -42,8 +42,8 @@ SideFiles no_side_files();
 // The model in world space: node transforms applied, meshes and primitives joined, quantized, sparse, Draco and meshopt
 // data expanded, polygons triangulated, positions relative to Model::origin, normals made where there are none, and
 // compact (mesh/operations.h): non-finite, out-of-range and degenerate triangles are dropped with a warning that counts
-// them. A PLY file without faces is a cloud (mesh::Kind::points): positions, normals and colours as they are, the finite
-// ones. Other files with points but no triangles, and those with no geometry at all, are errors that say so.
+// them. A PLY file without faces is a cloud (mesh::Kind::points): positions, normals and colours as they are, the
+// finite ones. Other files with points but no triangles, and those with no geometry at all, are errors that say so.
 // Skins, morph targets and animations are taken in their rest pose with a warning.
 // Errors name the file or element: invalid_input, unsupported, limit_exceeded, not_found (side files).
 Result<mesh::Model> import_model(std::span<const std::byte> bytes, Format format, const SideFiles& side_files,
