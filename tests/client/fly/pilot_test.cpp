@@ -2,28 +2,17 @@
 
 #include <gtest/gtest.h>
 
-#include "client/render/gl_context.h"
 #include "common/control/speed_controllers.h"
 #include "tests/client/fly/constructed_scenery.h"
+#include "tests/client/render/with_renderer.h"
 
 namespace lodestream::fly {
 namespace {
 
 using testing::spheres;
 
-class PilotTest : public ::testing::Test {
+class PilotTest : public lodestream::testing::WithRenderer {
   protected:
-    void SetUp() override {
-        auto made_context = render::create_headless_context();
-        ASSERT_TRUE(made_context) << made_context.error().message;
-        context.emplace(*std::move(made_context));
-        auto made_renderer = render::Renderer::create();
-        ASSERT_TRUE(made_renderer) << made_renderer.error().message;
-        renderer.emplace(*std::move(made_renderer));
-    }
-
-    std::optional<render::GlContext> context;
-    std::optional<render::Renderer> renderer;  // goes before its context
     Screen screen{64, 48, 45.0};
 };
 
