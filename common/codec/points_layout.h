@@ -1,4 +1,4 @@
-// Private to the codec: where the attributes of an interleaved point lie.
+// Where the attributes of an interleaved point lie, and so what a point costs.
 #pragma once
 
 #include <cstddef>

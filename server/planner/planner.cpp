@@ -319,9 +319,6 @@ Result<proto::PlanResponse> Planner::Impl::plan_points(const proto::PlanRequest&
     if (!budget) return budget.error();
     proto::PlanResponse response;
     fill_budget(response, *budget);
-    response.budget.points = level->budget.points;
-    response.budget.limited_by = budget::limited_by_name(level->budget.limited_by);
-    response.budget.feasible = level->budget.feasible;
     if (Status added = add_points(response, store, asset.id, *level, pixels_per_unit); !added) return added.error();
     response.shading.distance = place(request, world_bounds, budget->dlr).distance;
     return response;
@@ -346,12 +343,7 @@ Status Planner::Impl::choose_primitives(proto::PlanResponse& response, const pro
     if (!points_win(rivals)) return Nothing{};
     response.left_out.clear();
     response.timing_ms = {};
-    response.budget.limited_by = budget::limited_by_name(level->budget.limited_by);
-    response.budget.feasible = level->budget.feasible;
-    const double distance = response.shading.distance;
-    Status added = add_points(response, store, asset.id, *level, pixels_per_unit);
-    response.shading.distance = distance;
-    return added;
+    return add_points(response, store, asset.id, *level, pixels_per_unit);
 }
 
 Result<proto::PlanResponse> Planner::Impl::plan_baked(const proto::PlanRequest& request, const proto::Asset& asset) {

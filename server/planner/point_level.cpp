@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/codec/points_layout.h"
 #include "common/points/level.h"
 #include "proto/records.h"
 #include "server/bake/bake.h"
@@ -12,11 +13,11 @@ namespace lodestream::planner {
 
 namespace {
 
-constexpr std::uint64_t header_bytes =
-    2048;  // of a file of points, at most; its levels are at most as many as measured
+// Of a file of points, at most: its JSON tells of at most 20 measured levels in at most 140 bytes each.
+constexpr std::uint64_t header_bytes = 4096;
 
 std::uint64_t bytes_per_point(const points::PointCloud& cloud) {
-    return 8 + (cloud.normals.empty() ? 0 : 4) + (cloud.colors.empty() ? 0 : 4);
+    return codec::PointLayout{!cloud.normals.empty(), !cloud.colors.empty()}.stride();
 }
 
 // The fewest points whose discs are as small as a picture can tell.
@@ -31,6 +32,12 @@ std::uint64_t points_shown(const std::vector<points::Level>& levels, double pixe
             low = middle + 1;
     }
     return high;
+}
+
+Box bounds_of(const points::PointCloud& cloud) {
+    Box box;
+    for (const Vec3f& p : cloud.positions) box.add(Vec3d(p));
+    return box;
 }
 
 double visible(double error_px) {
@@ -75,14 +82,19 @@ std::optional<double> crossing_distance(const Rivals& rivals) {
 Status add_points(proto::PlanResponse& response, store::Store& store, const std::string& asset_id,
                   const PointLevel& level, double pixels_per_unit) {
     const std::uint64_t count = level.budget.points;
+    response.budget.points = count;
+    response.budget.limited_by = budget::limited_by_name(level.budget.limited_by);
+    response.budget.feasible = level.budget.feasible;
     const points::Level measured = points::level_of(level.points.levels, count);
     response.level = {};
     response.level.points = count;
     response.level.vertices = count;
     response.level.rms_error = measured.error.rms;
     response.level.max_error = measured.error.max;
+    response.level.rms_error_percent = bake::percent_of_diagonal(measured.error.rms, bounds_of(level.points.cloud));
     response.level.screen_space_error_px = measured.error.max * pixels_per_unit;
-    response.shading = {};
+    response.shading.gouraud = response.shading.flat = 0;
+    response.shading.operations = {};
     response.shading.mode = "points";
     response.content.profile = proto::profile_name(proto::Profile::plain);
 

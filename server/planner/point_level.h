@@ -43,7 +43,8 @@ bool points_win(const Rivals& rivals);
 // The distance from which on points win with these two levels: none where they never do, 0 where they always do.
 std::optional<double> crossing_distance(const Rivals& rivals);
 
-// Encodes and stores the level, unless the store has it; fills level, shading and content.
+// Encodes and stores the level, unless the store has it; fills level, shading (but for the distance), content and what
+// the budget says of points.
 Status add_points(proto::PlanResponse& response, store::Store& store, const std::string& asset_id,
                   const PointLevel& level, double pixels_per_unit);
 

@@ -84,6 +84,8 @@ TEST(PointPlan, SendsTheDevicesShareAsOneLevel) {
     EXPECT_EQ(plan->shading.gouraud + plan->shading.flat, 0u);
     EXPECT_EQ(plan->shading.mode, "points");
     EXPECT_GT(plan->level.rms_error, 0.0);
+    EXPECT_NEAR(plan->level.rms_error_percent, 100.0 * plan->level.rms_error / std::sqrt(12.0),
+                0.01);  // of a unit sphere
     const codec::Points content = content_of(*plan);
     EXPECT_EQ(content.cloud.positions.size(), 282u);
     ASSERT_FALSE(content.levels.empty());
@@ -128,6 +130,21 @@ TEST(PointPlan, NeverMoreThanTheBudgetWhateverTheDevice) {
             EXPECT_LE(static_cast<double>(plan->content.bytes), budget::network_bytes(request.budget));
         }
     }
+}
+
+TEST(PointPlan, ALevelHasNoMoreBytesThanItWasPlannedWith) {
+    for (const char* name : {"sphere", "leaves", "cloud"})
+        for (const std::uint64_t points : {1u, 70u, 1'000u, 1'000'000u}) {
+            budget::Request request;
+            request.device.cpu_mhz = 300;
+            request.device.points_per_second = 1e9;
+            request.preference.triangles = points;
+            const auto level = plan_points(baked().store, *baked().store.asset(name), request, 1e9);
+            ASSERT_TRUE(level) << level.error().message;
+            proto::PlanResponse response;
+            ASSERT_TRUE(add_points(response, baked().store, name, *level, 1.0));
+            EXPECT_LE(response.content.bytes, level->bytes) << name << ", " << points;
+        }
 }
 
 TEST(PointPlan, AMeasuredRateOfPointsIsTheDevicesOwn) {
