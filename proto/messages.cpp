@@ -189,6 +189,11 @@ Result<PlanResponse> parse_plan_response(std::string_view json) {
             level->read("max_error", response.level.max_error);
             level->read("rms_error_percent", response.level.rms_error_percent);
             level->read("screen_space_error_px", response.level.screen_space_error_px);
+            if (const auto outside = level->object("outside")) {
+                OutsideError& error = response.level.outside.emplace();
+                outside->require("rms_error", error.rms_error);
+                outside->require("max_error", error.max_error);
+            }
         }
         if (const auto shading = fields.object("shading")) {
             shading->read("distance", response.shading.distance);

@@ -79,6 +79,12 @@ struct LeftOut {
     std::uint64_t bytes = 0;
 };
 
+// The error of what is seen from outside alone, where a level shows nothing else of a scene.
+struct OutsideError {
+    double rms_error = 0.0;  // model units, two-sided, measured
+    double max_error = 0.0;  // model units
+};
+
 // Points against triangles.
 struct Crossing {
     double distance = 0.0;      // from the bounding sphere's centre, model units: from there on points are chosen
@@ -103,7 +109,9 @@ struct PlanResponse {
         double rms_error = 0.0;
         double max_error = 0.0;
         double rms_error_percent = 0.0;
-        double screen_space_error_px = 0.0;  // max_error at the nearest point of the bounding sphere
+        std::optional<OutsideError> outside;  // of a scene's levels for an eye outside of it
+        double screen_space_error_px = 0.0;   // max_error, of `outside` where it is there, at the nearest point of the
+                                              // bounding sphere
     } level;
     struct {
         double distance = 0.0;

@@ -134,6 +134,8 @@ std::string to_json(const PlanResponse& response) {
         {"warnings", response.warnings}};
     if (budget.points) object["budget"]["points"] = *budget.points;
     if (level.points > 0) object["level"]["points"] = level.points;
+    if (level.outside)
+        object["level"]["outside"] = {{"rms_error", level.outside->rms_error}, {"max_error", level.outside->max_error}};
     if (response.crossing)
         object["crossing"] = {{"distance", response.crossing->distance},
                               {"triangles_px", response.crossing->triangles_px},

@@ -23,26 +23,31 @@ double longest_side(const Box& box) {
     return std::max({extent.x, extent.y, extent.z});
 }
 
+double squared(const Vec3d& v) {
+    return dot(v, v);
+}
+
 double size_of_cells(const Box& box, std::uint32_t cells) {
     const double longest = longest_side(box);
     return longest > 0.0 ? longest / std::clamp(cells, min_cells, max_cells) : 1.0;
 }
 
-// Halves the longest side until none is longer than `spacing`; `visit` is given the corners of all parts and ends it by
-// returning true, which this returns too.
+// Halves the longest side until none is longer than `spacing`; `visit` is given each corner of all parts once, but for
+// those that parts share across a side, and ends it by returning true, which this returns too.
 template <class Visit>
-bool any_part(const Corners& triangle, double spacing, Visit visit) {
-    std::vector<Corners> open{triangle};
+bool any_part(const Corners& triangle, double spacing, std::vector<Corners>& open, Visit visit) {
+    for (const Vec3d& corner : triangle)
+        if (visit(corner)) return true;
+    open.assign(1, triangle);
     while (!open.empty()) {
         const Corners t = open.back();
         open.pop_back();
-        for (const Vec3d& corner : t)
-            if (visit(corner)) return true;
-        const std::array<double, 3> sides{distance(t[0], t[1]), distance(t[1], t[2]), distance(t[2], t[0])};
+        const std::array<double, 3> sides{squared(t[1] - t[0]), squared(t[2] - t[1]), squared(t[0] - t[2])};
         const auto longest = static_cast<std::size_t>(std::max_element(sides.begin(), sides.end()) - sides.begin());
-        if (!(sides[longest] > spacing) || open.size() > max_halvings) continue;
+        if (!(sides[longest] > spacing * spacing) || open.size() > max_halvings) continue;
         const Vec3d &a = t[longest], &b = t[(longest + 1) % 3], &c = t[(longest + 2) % 3];
         const Vec3d middle = 0.5 * (a + b);
+        if (visit(middle)) return true;
         open.push_back({a, middle, c});
         open.push_back({middle, b, c});
     }
@@ -76,14 +81,15 @@ Surroundings::Surroundings(const mesh::Mesh& mesh, const Box& box, std::uint32_t
     const auto corners = [&](const mesh::Triangle& t) {
         return Corners{place(mesh.positions[t[0]]), place(mesh.positions[t[1]]), place(mesh.positions[t[2]])};
     };
+    std::vector<Corners> open;
     for (const mesh::Triangle& t : mesh.triangles)
-        any_part(corners(t), spacing, [&](const Vec3d& point) {
+        any_part(corners(t), spacing, open, [&](const Vec3d& point) {
             outside_.mark(point);
             return false;
         });
     outside_.flood();
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-        if (any_part(corners(mesh.triangles[t]), spacing, [&](const Vec3d& p) { return outside_.reaches(p); }))
+        if (any_part(corners(mesh.triangles[t]), spacing, open, [&](const Vec3d& p) { return outside_.reaches(p); }))
             visible_.push_back(t);
 }
 

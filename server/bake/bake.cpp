@@ -18,6 +18,7 @@
 #include "server/bake/first_levels.h"
 #include "server/bake/hlod.h"
 #include "server/bake/points.h"
+#include "server/bake/shells.h"
 #include "server/bake/source_model.h"
 #include "server/bake/stopwatch.h"
 #include "server/bake/textures.h"
@@ -31,7 +32,8 @@ namespace {
 constexpr double tiled_share = 0.3;  // of a scene
 constexpr double recorded_share = 0.5;
 constexpr double measured_share = 0.7;
-constexpr double points_share = 0.85;
+constexpr double shells_share = 0.8;  // of a scene
+constexpr double points_share = 0.9;
 
 std::uint64_t peak_memory_bytes() {
     rusage usage{};
@@ -75,20 +77,6 @@ ErrorSample measure_level(const LevelMaker& maker, std::uint64_t triangles) {
     const bool whole = level.triangles.size() == maker.source.triangles.size();
     return {level.triangles.size(),
             whole ? metric::SurfaceError{} : metric::measure(maker.original, maker.source, level)};
-}
-
-// Errors that do not fall where triangles do: a coarser level is never said to be better.
-std::vector<ErrorSample> in_order(std::vector<ErrorSample> samples) {
-    std::sort(samples.begin(), samples.end(),
-              [](const ErrorSample& a, const ErrorSample& b) { return a.triangles > b.triangles; });
-    const auto same = [](const ErrorSample& a, const ErrorSample& b) { return a.triangles == b.triangles; };
-    samples.erase(std::unique(samples.begin(), samples.end(), same), samples.end());
-    metric::SurfaceError worst;
-    for (ErrorSample& sample : samples) {
-        worst.rms = sample.error.rms = std::max(worst.rms, sample.error.rms);
-        worst.max = sample.error.max = std::max(worst.max, sample.error.max);
-    }
-    return samples;
 }
 
 Result<proto::Level> make_level(const LevelMaker& maker, std::uint64_t triangles) {
@@ -231,7 +219,15 @@ Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::
     if (!make_all(measured_counts(asset.triangles), baked.errors, progress, recorded_share, measured_share, measure))
         return ended;
     baked.errors = in_order(std::move(baked.errors));
-    const auto making_points = [&](double share) { return progress(std::lerp(measured_share, points_share, share)); };
+    if (asset.hierarchy) {
+        const Result<std::vector<Shell>> shells = make_shells(baked, source, original, [&](double share) {
+            return progress(std::lerp(measured_share, shells_share, share));
+        });
+        if (!shells) return shells.error();
+        if (Status stored = put_shells(store, asset.id, *shells); !stored) return stored.error();
+    }
+    const double shown = asset.hierarchy ? shells_share : measured_share;
+    const auto making_points = [&](double share) { return progress(std::lerp(shown, points_share, share)); };
     if (Status made = make_points(store, asset.id, baked.model, source, original, making_points); !made)
         return made.error();
 

@@ -63,17 +63,6 @@ Status validate_materials(const BakedView& baked) {
     return Nothing{};
 }
 
-Status validate_errors(const std::vector<ErrorSample>& errors) {
-    if (errors.empty()) return damaged("it has no measured error");
-    for (std::size_t i = 0; i < errors.size(); ++i) {
-        const ErrorSample& sample = errors[i];
-        if (!std::isfinite(sample.error.rms) || !std::isfinite(sample.error.max) || sample.error.rms < 0)
-            return damaged("an error is no number");
-        if (i > 0 && sample.triangles >= errors[i - 1].triangles) return damaged("its errors are not in order");
-    }
-    return Nothing{};
-}
-
 Status validate(const BakedView& baked) {
     if (!all_finite(baked.model.origin) || !finite(baked.bounds) || !finite(baked.grid_bounds))
         return damaged("numbers are not finite");
@@ -84,6 +73,17 @@ Status validate(const BakedView& baked) {
 }
 
 }  // namespace
+
+Status validate_errors(const std::vector<ErrorSample>& errors) {
+    if (errors.empty()) return damaged("it has no measured error");
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+        const ErrorSample& sample = errors[i];
+        if (!std::isfinite(sample.error.rms) || !std::isfinite(sample.error.max) || sample.error.rms < 0)
+            return damaged("an error is no number");
+        if (i > 0 && sample.triangles >= errors[i - 1].triangles) return damaged("its errors are not in order");
+    }
+    return Nothing{};
+}
 
 BakedModel describe_model(const mesh::Model& model) {
     BakedModel baked;
@@ -101,6 +101,19 @@ BakedModel describe_model(const mesh::Model& model) {
 void set_history(BakedModel& baked, simplify::History history) {
     for (const Vec3f& p : history.positions) baked.grid_bounds.add(Vec3d(p));
     baked.history = std::move(history);
+}
+
+std::vector<ErrorSample> in_order(std::vector<ErrorSample> samples) {
+    std::sort(samples.begin(), samples.end(),
+              [](const ErrorSample& a, const ErrorSample& b) { return a.triangles > b.triangles; });
+    const auto same = [](const ErrorSample& a, const ErrorSample& b) { return a.triangles == b.triangles; };
+    samples.erase(std::unique(samples.begin(), samples.end(), same), samples.end());
+    metric::SurfaceError worst;
+    for (ErrorSample& sample : samples) {
+        worst.rms = sample.error.rms = std::max(worst.rms, sample.error.rms);
+        worst.max = sample.error.max = std::max(worst.max, sample.error.max);
+    }
+    return samples;
 }
 
 std::vector<std::byte> serialize(const BakedModel& baked) {

@@ -39,6 +39,11 @@ BakedModel describe_model(const mesh::Model& model);
 // pre: `history` was recorded for the mesh of the model described.
 void set_history(BakedModel& baked, simplify::History history);
 
+// The samples finest first, with errors that do not fall where triangles do: a coarser level is never said to be
+// better.
+std::vector<ErrorSample> in_order(std::vector<ErrorSample> samples);
+Status validate_errors(const std::vector<ErrorSample>& errors);  // of stored ones: there are some, finite, in order
+
 std::vector<std::byte> serialize(const BakedModel& baked);
 // Hostile bytes: every count and index is checked. `bytes` must begin at a multiple of 8 in memory and outlive the
 // view.

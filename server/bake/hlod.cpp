@@ -13,22 +13,18 @@
 #include "common/codec/level_codec.h"
 #include "common/mesh/operations.h"
 #include "common/metric/surface_distance.h"
-#include "common/scene/fit_colors.h"
 #include "common/scene/hierarchy.h"
 #include "common/scene/surroundings.h"
 #include "common/simplify/history.h"
 #include "server/bake/bake.h"
 #include "server/bake/executor.h"
+#include "server/bake/scene_colors.h"
+#include "server/bake/seen_surface.h"
 #include "server/bake/textures.h"
 
 namespace lodestream::bake {
 
 namespace {
-
-constexpr std::uint32_t rough_cells = 48;
-constexpr double wrapped_ratio = 8.0;  // triangles of a surface wrapped around to those of the finest tile of it
-constexpr const char* painted_name = "painted";
-constexpr std::size_t samples_per_triangle = 4;  // beside the corners: tiles are of small triangles of about one size
 
 // The triangles of each object: order[first[object] … first[object + 1]).
 struct TrianglesByObject {
@@ -62,16 +58,6 @@ std::vector<scene::Object> describe_objects(const mesh::Model& model, const Tria
     return objects;
 }
 
-std::size_t samples_of(const mesh::Mesh& mesh) {
-    return std::min(metric::default_samples, samples_per_triangle * mesh.triangles.size());
-}
-
-bool can_be_painted(const mesh::Model& model) {
-    return std::all_of(model.materials.begin(), model.materials.end(), [](const mesh::Material& material) {
-        return material.alpha_mode == mesh::AlphaMode::opaque && !mesh::has_texture(material);
-    });
-}
-
 struct Tile {
     scene::LodNode node;  // without its place in the tree
     std::string hash;
@@ -79,17 +65,10 @@ struct Tile {
 };
 
 // What a node of the hierarchy has become: tiles that follow each other from the finest to the coarsest, and the mesh
-// of that one until the tile above is made. A painted mesh has its materials as colours of its vertices.
+// of that one until the tile above is made.
 struct Branch {
     std::vector<Tile> tiles;
-    mesh::Mesh mesh;
-    bool is_painted = false;
-};
-
-// One of the surfaces that a branch's tiles may be cut from.
-struct Source {
-    mesh::Mesh mesh;
-    bool is_painted = false;
+    Surface surface;
 };
 
 class TileMaker {
@@ -102,18 +81,16 @@ class TileMaker {
           textures_(textures),
           progress_(progress),
           triangles_(sort_by_object(model.mesh, model.graph.object_nodes.size())),
-          can_paint_(can_be_painted(model)) {
-        content_.materials = model.materials;
-        content_.origin = model.origin;
-        if (can_paint_)
-            content_.materials.emplace_back().name = painted_name;
-        else
-            content_.images = model.images;
+          may_paint_(can_be_painted(model.materials)) {
         scene::HierarchyOptions options;
         options.leaf_triangles = tile_triangles;
         options.max_children = max_tile_children;
         hierarchy_ = scene::build_hierarchy(describe_objects(model, triangles_), model.graph.parents, options);
         branches_.resize(hierarchy_.nodes.size());
+        if (may_paint_ && hierarchy_.nodes.size() > 1) {
+            const scene::Surroundings around(model.mesh, scene::max_cells);
+            colors_.emplace(model, mesh::part(model.mesh, around.visible_triangles()));
+        }
     }
 
     Result<TileTree> make() {
@@ -169,80 +146,40 @@ class TileMaker {
         std::sort(triangles.begin(), triangles.end());
         mesh::Mesh source = mesh::part(model_.mesh, triangles);
         source.triangle_objects.clear();
-        if (Status added = add_tile(index, source, {}); !added) return added;
+        if (Status added = add_tile(index, {source, false}, {}); !added) return added;
 
         std::vector<std::uint64_t> counts;
         add_chain(counts, source.triangles.size(), index == 0 ? coarsest_tile : tile_triangles);
-        branches_[index].mesh = source;
+        branches_[index].surface.mesh = source;
         if (counts.empty()) return Nothing{};
-        const metric::SurfaceIndex original(source, samples_of(source));
-        std::vector<Source> sources;
-        sources.push_back({std::move(source), false});
-        return add_levels(index, original, {}, std::move(sources), counts, executor);
+        SeenSurface itself{{}, {}, metric::SurfaceIndex(source, samples_of(source))};
+        itself.surfaces.push_back({std::move(source), false});
+        return add_levels(index, std::move(itself), counts, executor);
     }
 
     // Tiles are cut from what is seen of the tiles below, or from the surface wrapped around it.
     Status make_inner(std::uint32_t index, const simplify::Executor& executor) {
-        Source below = joined_children(index);
+        Surface below = joined_children(index);
         const auto most = static_cast<std::uint64_t>(tile_ratio * static_cast<double>(below.mesh.triangles.size()));
         std::vector<std::uint64_t> counts{std::clamp<std::uint64_t>(most, 1, tile_triangles)};
         if (index == 0) add_chain(counts, counts.back(), coarsest_tile);
-
-        const mesh::Mesh painted_below = can_paint_ && !below.is_painted ? painted(below.mesh) : below.mesh;
-        const scene::Surroundings around(painted_below, cells_for(painted_below, counts.front()));
-        std::vector<Source> sources;
-        sources.push_back({mesh::compact(mesh::part(below.mesh, around.visible_triangles())), below.is_painted});
-        mesh::Mesh colored;
-        if (can_paint_) {
-            colored = mesh::part(painted_below, around.visible_triangles());
-            mesh::Mesh wrapped = around.wrapped();
-            wrapped.triangle_materials.assign(wrapped.triangles.size(), painted_material());
-            if (!wrapped.triangles.empty()) sources.push_back({std::move(wrapped), true});
-        }
+        SeenSurface seen = seen_from_outside(below, counts.front(), may_paint_);
         below = {};
-        metric::SurfaceIndex original(sources.front().mesh, samples_of(sources.front().mesh));
-        original.keep_samples([&](const Vec3f& position) { return around.sees(position); });
-        return add_levels(index, original, colored, std::move(sources), counts, executor);
+        return add_levels(index, std::move(seen), counts, executor);
     }
 
-    Source joined_children(std::uint32_t index) {
+    Surface joined_children(std::uint32_t index) {
         const scene::HierarchyNode& node = hierarchy_.nodes[index];
         const std::span children = std::span(branches_).subspan(node.first_child, node.child_count);
-        Source joined;
-        joined.is_painted =
-            std::any_of(children.begin(), children.end(), [](const Branch& child) { return child.is_painted; });
+        Surface joined;
+        joined.is_bare =
+            std::any_of(children.begin(), children.end(), [](const Branch& child) { return child.surface.is_bare; });
         for (Branch& child : children) {
-            const mesh::Mesh mesh = std::exchange(child.mesh, {});
-            mesh::append(joined.mesh, joined.is_painted && !child.is_painted ? painted(mesh) : mesh);
+            const Surface surface = std::exchange(child.surface, {});
+            mesh::append(joined.mesh, joined.is_bare && !surface.is_bare ? bare(surface.mesh) : surface.mesh);
         }
         joined.mesh = mesh::compact(mesh::part(joined.mesh, mesh::distinct_triangles(joined.mesh)));
         return joined;
-    }
-
-    std::uint32_t painted_material() const { return static_cast<std::uint32_t>(model_.materials.size()); }
-
-    mesh::Mesh painted(const mesh::Mesh& mesh) const {
-        mesh::Mesh out = mesh::compact(mesh);  // no vertex has two materials
-        std::vector<Rgba8> colors(out.positions.size(), Rgba8(255));
-        for (std::size_t t = 0; t < out.triangles.size(); ++t) {
-            const Vec4f color = model_.materials[mesh::material_of(out, t)].base_color;
-            for (const std::uint32_t v : out.triangles[t]) {
-                const Vec4f own = out.colors.empty() ? Vec4f(1.0f) : Vec4f(out.colors[v]) / 255.0f;
-                colors[v] = Rgba8(clamp(color * own, Vec4f(0.0f), Vec4f(1.0f)) * 255.0f + 0.5f);
-            }
-        }
-        out.colors = std::move(colors);
-        out.texture_coordinates.clear();
-        out.triangle_materials.assign(out.triangles.size(), painted_material());
-        return out;
-    }
-
-    // How fine the surface wrapped around is to be, for a tile of so many triangles.
-    static std::uint32_t cells_for(const mesh::Mesh& mesh, std::uint64_t triangles) {
-        const double faces = static_cast<double>(scene::Surroundings(mesh, rough_cells).faces());
-        const double wanted = wrapped_ratio * static_cast<double>(triangles) / 2.0;
-        return static_cast<std::uint32_t>(
-            std::clamp<double>(rough_cells * std::sqrt(wanted / faces), scene::min_cells, scene::max_cells));
     }
 
     // Counts that fall from one of `triangles` until they are not above `end`.
@@ -253,40 +190,34 @@ class TileMaker {
         }
     }
 
-    // Adds a tile of each of these counts, each on top of the one before, from the source that shows that count best.
-    // `original`: of the first source; `colored`: the first source painted, where any is painted.
-    Status add_levels(std::uint32_t index, const metric::SurfaceIndex& original, const mesh::Mesh& colored,
-                      std::vector<Source> sources, const std::vector<std::uint64_t>& counts,
+    // Adds a tile of each of these counts, each on top of the one before, from the surface that shows that count best.
+    Status add_levels(std::uint32_t index, SeenSurface seen, const std::vector<std::uint64_t>& counts,
                       const simplify::Executor& executor) {
-        const mesh::Mesh seen = sources.front().mesh;
+        const mesh::Mesh finest = seen.surfaces.front().mesh;
         std::vector<simplify::History> histories;
-        for (Source& source : sources) {
+        for (Surface& surface : seen.surfaces) {
             simplify::RecordOptions options;
             options.executor = executor;
             options.progress = [&](double) { return report(0.0); };
-            Result<simplify::History> history = simplify::record_history(std::move(source.mesh), options);
+            Result<simplify::History> history = simplify::record_history(std::move(surface.mesh), options);
             if (!history) return history.error();
             histories.push_back(*std::move(history));
         }
         Branch& branch = branches_[index];
         for (const std::uint64_t count : counts) {
-            mesh::Mesh best;
+            Surface best;
             metric::SurfaceError least;
-            bool is_painted = false;
             for (std::size_t i = 0; i < histories.size(); ++i) {
                 mesh::Mesh level = simplify::cut(histories[i], count);
-                const metric::SurfaceError error = metric::measure(original, seen, level);
+                const metric::SurfaceError error = metric::measure(seen.original, finest, level);
                 if (i > 0 && !(error.rms < least.rms)) continue;
-                best = std::move(level);
+                best = {std::move(level), seen.surfaces[i].is_bare};
                 least = error;
-                is_painted = sources[i].is_painted;
             }
-            const bool is_coarser = branch.tiles.empty() || best.triangles.size() < branch.tiles.back().node.triangles;
-            if (!is_coarser) continue;
-            if (is_painted) best.colors = scene::fit_colors(best, colored);
+            const std::size_t triangles = best.mesh.triangles.size();
+            if (!branch.tiles.empty() && triangles >= branch.tiles.back().node.triangles) continue;
             if (Status added = add_tile(index, best, least); !added) return added;
-            branch.mesh = std::move(best);
-            branch.is_painted = is_painted;
+            branch.surface = std::move(best);
         }
         return Nothing{};
     }
@@ -311,7 +242,8 @@ class TileMaker {
     }
 
     // `error`: against the mesh that the branch's tiles are cut from.
-    Status add_tile(std::uint32_t index, const mesh::Mesh& mesh, metric::SurfaceError error) {
+    Status add_tile(std::uint32_t index, const Surface& surface, metric::SurfaceError error) {
+        const mesh::Mesh& mesh = surface.mesh;
         const Box bounds = mesh::bounds(mesh);
         const codec::QuantizationGrid grid = codec::choose_window(bounds, error.rms, mean_edge_length(mesh));
         const bool is_coarser = !tiles_below(index).empty();
@@ -328,9 +260,7 @@ class TileMaker {
 
         codec::EncodeOptions options;
         options.grid = grid;
-        options.images = texture::choose(content_, textures_, level_needs(error)).images;
-        const std::vector<std::uint8_t> all_gouraud(mesh.triangles.size(), 1);
-        Result<codec::Encoded> encoded = codec::encode_level(content_, mesh, all_gouraud, options);
+        Result<codec::Encoded> encoded = surface.is_bare ? encode_painted(mesh, options) : encode(mesh, error, options);
         if (!encoded) return encoded.error();
         std::vector<Tile>& tiles = branches_[index].tiles;
         Result<store::StoredFile> file =
@@ -340,6 +270,20 @@ class TileMaker {
         tile.bytes = file->bytes;
         tiles.push_back(std::move(tile));
         return Nothing{};
+    }
+
+    Result<codec::Encoded> encode(const mesh::Mesh& mesh, const metric::SurfaceError& error,
+                                  codec::EncodeOptions options) const {
+        options.images = texture::choose(model_, textures_, level_needs(error)).images;
+        return codec::encode_level(model_, mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 1), options);
+    }
+
+    Result<codec::Encoded> encode_painted(const mesh::Mesh& mesh, const codec::EncodeOptions& options) const {
+        Result<mesh::Model> painted = colors_->paint(mesh);
+        if (!painted) return painted.error();
+        painted->origin = model_.origin;
+        return codec::encode_level(*painted, painted->mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 1),
+                                   options);
     }
 
     // Root first, children side by side and after their parent.
@@ -381,8 +325,8 @@ class TileMaker {
     const texture::Textures& textures_;
     const std::function<bool(double)>& progress_;
     TrianglesByObject triangles_;
-    bool can_paint_;
-    mesh::Model content_;  // the materials and images that tiles have
+    bool may_paint_;
+    std::optional<SceneColors> colors_;
     scene::Hierarchy hierarchy_;
     std::vector<Branch> branches_;  // of each node of the hierarchy
     std::atomic<bool> stopped_{false};

@@ -24,8 +24,8 @@ inline constexpr std::uint64_t coarsest_tile = 240;     // triangles; the root h
 // Makes, measures, encodes and stores the tiles of a model of several objects, from the leaves up and side by side, and
 // stores their tree. Above the leaves a tile shows what can be seen from outside of it: a cut of the visible triangles
 // of the tiles below or, where that is closer to them, of a closed surface wrapped around them
-// (scene/surroundings.h), its materials made colours of its vertices (scene/fit_colors.h). Where a material is
-// textured or not opaque, nothing is wrapped.
+// (scene/surroundings.h), painted with the scene's colours (scene_colors.h). Where a material is not opaque or glows,
+// nothing is wrapped.
 // A tile's error bounds what it is off from the visible surface of the objects: its measured maximum error against what
 // it is cut from, half a step of its grid, and the largest error of the tiles below. All tiles lie on lattices of the
 // scene's axes (codec::choose_window). `progress`: share done; returning false cancels.

@@ -5,11 +5,15 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/result.h"
 #include "common/texture/choice.h"
 #include "server/bake/baked_model.h"
+#include "server/bake/scene_colors.h"
+#include "server/bake/shells.h"
 #include "server/store/mapped_file.h"
 #include "server/store/store.h"
 
@@ -19,10 +23,12 @@ inline constexpr std::uint64_t max_cached_bytes = 4ull
                                                   << 30;  // of all opened assets; the system pages them out at will
 inline constexpr std::uint64_t max_baked_bytes = 16ull << 30;  // of one stored baked model
 
-// One asset ready to be cut, in the store's own file. Immutable.
+// One asset ready to be cut, in the store's own files. Immutable.
 struct LoadedAsset {
-    store::MappedFile file;
-    bake::BakedView baked;  // in `file`
+    std::vector<store::MappedFile> files;
+    bake::BakedView baked;                    // in the files, as the shells are
+    std::vector<bake::ShellView> shells;      // none where the asset is one object
+    std::optional<bake::SceneColors> colors;  // of shells that have none of their own
     texture::Textures textures;
     Box world_bounds;  // bounds + origin
 };

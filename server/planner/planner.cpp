@@ -116,8 +116,11 @@ const proto::Level* find_first_level(const proto::Asset& asset, std::uint64_t tr
 }
 
 void fill_first_level(proto::PlanResponse& response, const proto::Level& level, const proto::PlanRequest& request) {
-    response.level = {level.triangles, level.vertices,          0,  level.rms_error,
-                      level.max_error, level.rms_error_percent, 0.0};
+    response.level.triangles = level.triangles;
+    response.level.vertices = level.vertices;
+    response.level.rms_error = level.rms_error;
+    response.level.max_error = level.max_error;
+    response.level.rms_error_percent = level.rms_error_percent;
     response.shading.gouraud = level.triangles;
     response.shading.operations = budget::with_shading(0, level.triangles, 0);
     response.shading.mode = proto::shading_mode_name(proto::ShadingMode::gouraud);
@@ -130,16 +133,29 @@ void fill_first_level(proto::PlanResponse& response, const proto::Level& level, 
 
 struct LevelRequest {
     std::uint64_t triangles = 0;
+    const bake::ShellView* shell = nullptr;  // to cut it from; null: from the whole asset
     SplitRequest split;
     const texture::Choice& textures;
     proto::Profile profile = proto::Profile::plain;
 };
+
+bool is_inside(const Vec3d& eye, const Box& box) {
+    return glm::all(glm::greaterThanEqual(eye, box.min)) && glm::all(glm::lessThanEqual(eye, box.max));
+}
+
+// What the level is off from what its viewer can see of the asset.
+metric::SurfaceError seen_error(const proto::PlanResponse& response) {
+    const auto& level = response.level;
+    if (level.outside) return {level.outside->rms_error, level.outside->max_error};
+    return {level.rms_error, level.max_error};
+}
 
 // Names everything that the encoded bytes depend on. The view matters only where triangles are chosen by it.
 std::string content_key(const LevelRequest& level, const Vec3d& center) {
     const SplitRequest& split = level.split;
     std::string key =
         "level/importance/" + std::to_string(level.triangles) + "/" + proto::shading_mode_name(split.mode);
+    if (level.shell) key += "/outside";
     if (level.profile == proto::Profile::lean) key += "/lean";
     if (!level.textures.key.empty()) key += "/images" + level.textures.key;
     if (split.mode != proto::ShadingMode::hybrid || split.distance <= 0.0 || split.distance >= 1.0) {
@@ -212,26 +228,39 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
     }
 
     const Stopwatch cutting;
-    const mesh::Model& model = loaded.baked.model;
-    const mesh::Mesh level = simplify::cut(loaded.baked.history, wanted.triangles);
-    response.timing_ms.cut = cutting.ms();
-    const metric::SurfaceError error = bake::error_of(loaded.baked.errors, level.triangles.size());
+    const bake::ShellView* shell = wanted.shell;
+    const bake::BakedView& baked = shell ? shell->baked : loaded.baked;
+    mesh::Mesh level = simplify::cut(baked.history, wanted.triangles);
+    const metric::SurfaceError error = bake::error_of(baked.errors, level.triangles.size());
+    response.level.triangles = level.triangles.size();
     response.level.rms_error = error.rms;
     response.level.max_error = error.max;
-    response.level.rms_error_percent = bake::percent_of_diagonal(error.rms, loaded.baked.bounds);
+    response.level.rms_error_percent = bake::percent_of_diagonal(error.rms, baked.bounds);
+    if (shell) {
+        const metric::SurfaceError seen = bake::error_of(shell->seen_errors, level.triangles.size());
+        response.level.outside = {seen.rms, seen.max};
+    }
+    std::optional<mesh::Model> painted;
+    if (shell && !shell->colored_by.empty()) {
+        Result<mesh::Model> own = loaded.colors->paint(level);
+        if (!own) return own.error();
+        painted = *std::move(own);
+        painted->origin = baked.model.origin;
+        level = std::move(painted->mesh);
+    }
+    response.timing_ms.cut = cutting.ms();
 
     const Stopwatch encoding;
     codec::EncodeOptions options;
-    options.grid = bake::level_grid(loaded.baked.grid_bounds, level, error);
-    options.images = wanted.textures.images;
+    options.grid = bake::level_grid(baked.grid_bounds, level, seen_error(response));
+    if (!painted) options.images = wanted.textures.images;
     options.lean = wanted.profile == proto::Profile::lean;
-    response.level.triangles = level.triangles.size();
     const Extras extras = [&](const EncodedSplit& attempt) {
         proto::PlanResponse figures = response;
         fill_shading(figures, attempt);
         return proto::content_extras(asset.id, figures);
     };
-    Result<EncodedSplit> encoded = encode_split(model, level, split, options, extras);
+    Result<EncodedSplit> encoded = encode_split(painted ? *painted : baked.model, level, split, options, extras);
     if (!encoded) return encoded.error();
     response.timing_ms.encode = encoding.ms();
 
@@ -255,13 +284,14 @@ Result<proto::PlanResponse> Planner::Impl::plan_level(const proto::PlanRequest& 
     proto::PlanResponse response;
     const Placement placement = place(request, loaded.world_bounds, budget.dlr);
     const SplitRequest split{request.shading, placement.distance, placement.view};
-    if (Status added = add_content(response, asset, loaded, {budget.triangles, split, textures, request.profile});
-        !added)
-        return added.error();
+    const bake::ShellView* shell =
+        is_inside(placement.view.eye, loaded.world_bounds) ? nullptr : bake::shell_for(loaded.shells, budget.triangles);
+    const LevelRequest wanted{budget.triangles, shell, split, textures, request.profile};
+    if (Status added = add_content(response, asset, loaded, wanted); !added) return added.error();
     fill_budget(response, budget);
     response.shading.distance = placement.distance;
     response.level.screen_space_error_px =
-        response.level.max_error * shading::pixels_per_unit(placement.view, loaded.world_bounds, placement.display);
+        seen_error(response).max * shading::pixels_per_unit(placement.view, loaded.world_bounds, placement.display);
     return response;
 }
 
@@ -331,7 +361,7 @@ Status Planner::Impl::choose_primitives(proto::PlanResponse& response, const pro
     const double pixels_per_unit = seen_pixels_per_unit(request, loaded.world_bounds);
     const Result<PointLevel> level = planner::plan_points(store, asset, request.budget, pixels_per_unit);
     if (!level) return level.error().code == ErrorCode::not_found ? Status{Nothing{}} : Status{level.error()};
-    const Rivals rivals{response.level.rms_error * pixels_per_unit,
+    const Rivals rivals{seen_error(response).rms * pixels_per_unit,
                         level->error_px,
                         response.content.bytes,
                         level->bytes,

@@ -12,6 +12,8 @@
 #include "common/scene/select.h"
 #include "common/simplify/history.h"
 #include "server/bake/hlod.h"
+#include "server/bake/scene_colors.h"
+#include "server/bake/shells.h"
 #include "server/importer/importer.h"
 #include "server/samples/samples.h"
 #include "tests/bench/judge.h"
@@ -60,11 +62,38 @@ mesh::Mesh joined(const std::vector<mesh::Mesh>& parts) {
     return all;
 }
 
+mesh::Model with_materials_of(const mesh::Model& model, mesh::Mesh level) {
+    mesh::Model out;
+    out.mesh = std::move(level);
+    out.materials = model.materials;
+    out.images = model.images;
+    out.origin = model.origin;
+    return out;
+}
+
+// Puts a tile behind others, whatever attributes each has.
+void append(mesh::Model& to, const codec::Decoded& tile) {
+    to.origin = tile.origin;
+    const auto first_material = static_cast<std::uint32_t>(to.materials.size());
+    const auto first_image = static_cast<int>(to.images.size());
+    for (mesh::Material material : tile.materials) {
+        if (material.base_color_texture.image >= 0) material.base_color_texture.image += first_image;
+        to.materials.push_back(std::move(material));
+    }
+    to.images.insert(to.images.end(), tile.images.begin(), tile.images.end());
+    for (const codec::Primitive& primitive : tile.primitives) {
+        mesh::Mesh part = primitive.mesh;
+        part.colors.resize(part.positions.size(), Rgba8(255));
+        part.texture_coordinates.resize(part.positions.size());
+        part.triangle_materials.assign(part.triangles.size(), first_material + primitive.material);
+        mesh::append(to.mesh, part);
+    }
+}
+
 // The tree as the server bakes it, and what its tiles decode to.
 class Hierarchy {
   public:
-    // What it draws has the material after the last one of the model.
-    explicit Hierarchy(const mesh::Model& model) : white_material_(static_cast<std::uint32_t>(model.materials.size())) {
+    explicit Hierarchy(const mesh::Model& model) {
         proto::Asset asset;
         asset.id = asset.name = "scene";
         const Stopwatch watch;
@@ -80,34 +109,58 @@ class Hierarchy {
     const bake::TileTree& tree() const { return tree_; }
     Duration baked() const { return baked_; }
 
-    // What target-frame-rate mode draws of it in this view.
-    mesh::Mesh cut(const scene::View& view, std::uint64_t budget) const {
+    // What target-frame-rate mode draws of it in this view, and its bytes.
+    mesh::Model cut(const scene::View& view, std::uint64_t budget, std::uint64_t& bytes) const {
         scene::SelectOptions options;
         options.budget = budget;
-        std::vector<mesh::Mesh> parts;
+        mesh::Model drawn;
+        bytes = 0;
         for (const std::uint32_t tile : scene::select(tree_.nodes, view, options).nodes) {
             const store::StoredFile file = *store_.file(tree_.hashes[tile], "glb");
-            const codec::Decoded decoded = *codec::decode_level(*store::read_file(file.path, file.bytes));
-            for (const codec::Primitive& primitive : decoded.primitives)
-                parts.push_back(colored(primitive.mesh, decoded.materials[primitive.material]));
+            append(drawn, *codec::decode_level(*store::read_file(file.path, file.bytes)));
+            bytes += file.bytes;
         }
-        return joined(parts);
+        return drawn;
     }
 
   private:
-    // With the material's colour at its vertices, to be drawn with a white one.
-    mesh::Mesh colored(mesh::Mesh part, const mesh::Material& material) const {
-        part.colors.resize(part.positions.size(), Rgba8(255));
-        for (Rgba8& color : part.colors)
-            color = Rgba8(Vec4f(color) * clamp(material.base_color, Vec4f(0.0f), Vec4f(1.0f)) + 0.5f);
-        part.triangle_materials.assign(part.triangles.size(), white_material_);
-        return part;
-    }
-
     testing::TemporaryFolder folder_;
     store::Store store_ = *store::Store::open(folder_.path());
     bake::TileTree tree_;
-    std::uint32_t white_material_;
+    Duration baked_;
+};
+
+// The scene as one mesh: what a plan's levels are cut from, with its shells and without.
+class WholeScene {
+  public:
+    explicit WholeScene(const mesh::Model& model) {
+        const Stopwatch watch;
+        scene_ = bake::describe_model(model);
+        bake::set_history(scene_, *simplify::record_history(mesh::compact(model.mesh)));
+        const mesh::Mesh finest = cut_whole(model.mesh.triangles.size());
+        shells_ = *bake::make_shells(scene_, finest, metric::SurfaceIndex(finest), [](double) { return true; });
+        baked_ = watch.elapsed();
+    }
+
+    mesh::Mesh cut_whole(std::uint64_t triangles) const { return simplify::cut(scene_.history, triangles); }
+    mesh::Model cut(std::uint64_t triangles) const {
+        const bake::Shell* shell = bake::shell_for(shells_, triangles);
+        const bake::BakedModel& baked = shell ? shell->baked : scene_;
+        mesh::Mesh level = simplify::cut(baked.history, triangles);
+        if (shell && !shell->colored_by.empty()) {
+            const mesh::Mesh finest = cut_whole(simplify::triangle_count(simplify::view(scene_.history)));
+            const bake::SceneColors colors(scene_.model, mesh::part(finest, shell->colored_by));
+            mesh::Model painted = *colors.paint(level);
+            painted.origin = scene_.model.origin;
+            return painted;
+        }
+        return with_materials_of(baked.model, std::move(level));
+    }
+    Duration baked() const { return baked_; }
+
+  private:
+    bake::BakedModel scene_;
+    std::vector<bake::Shell> shells_;
     Duration baked_;
 };
 
@@ -197,15 +250,17 @@ scene::View view_of(const shading::View& from) {
 }
 
 void compare(const Arguments& arguments) {
-    mesh::Model model = load(arguments.scene);
+    const mesh::Model model = load(arguments.scene);
     const std::uint64_t triangles = model.mesh.triangles.size();
     const Hierarchy hierarchy(model);
-    model.materials.emplace_back();
+    const WholeScene whole(model);
     std::printf("%s: %u objects, %llu triangles; %zu tiles baked in %.1f s (%.1f s CPU)\n", arguments.scene.c_str(),
                 model.objects, static_cast<unsigned long long>(triangles), hierarchy.tree().nodes.size(),
                 1e-3 * hierarchy.baked().wall_ms, 1e-3 * hierarchy.baked().cpu_ms);
     const std::vector<mesh::Mesh> objects = objects_of(model);
     const ObjectWise object_wise(objects);
+    std::printf("the scene as one mesh: recorded with its shells in %.1f s (%.1f s CPU)\n",
+                1e-3 * whole.baked().wall_ms, 1e-3 * whole.baked().cpu_ms);
     Result<Painter> painter = Painter::create();
     if (!painter) throw std::runtime_error(painter.error().message);
     Gallery gallery(*painter, model, views_from_26(model));
@@ -213,15 +268,20 @@ void compare(const Arguments& arguments) {
     std::vector<TableRow> rows{{"budget", "method", "triangles", "image error", "outline %", "ours / it"}};
     for (const std::uint64_t budget : arguments.budgets) {
         const auto view = view_of(views_from_26(model).front());
-        const std::vector<std::pair<std::string, mesh::Mesh>> levels{
-            {"hierarchical", hierarchy.cut(view, budget)},
-            {"object-wise", object_wise.cut(budget)},
-            {"equal ratio", equal_ratio(objects, triangles, budget)}};
+        std::uint64_t bytes = 0;
+        const std::vector<std::pair<std::string, mesh::Model>> levels{
+            {"hierarchical", hierarchy.cut(view, budget, bytes)},
+            {"plan's level", whole.cut(budget)},
+            {"one mesh", with_materials_of(model, whole.cut_whole(budget))},
+            {"object-wise", with_materials_of(model, object_wise.cut(budget))},
+            {"equal ratio", with_materials_of(model, equal_ratio(objects, triangles, budget))}};
+        std::printf("%llu: the tiles are %.1f kB\n", static_cast<unsigned long long>(budget),
+                    1e-3 * static_cast<double>(bytes));
         std::optional<ImageError> ours;
         for (const auto& [name, level] : levels) {
             const ImageError error = gallery.show(level);
             if (!ours) ours = error;
-            rows.push_back({std::to_string(budget), name, std::to_string(level.triangles.size()), brief(error.rms),
+            rows.push_back({std::to_string(budget), name, std::to_string(level.mesh.triangles.size()), brief(error.rms),
                             brief(error.silhouette_percent), fixed(ours->rms / error.rms, 2)});
         }
         if (!arguments.picture_folder.empty())

@@ -87,8 +87,8 @@ std::vector<render::Image> Painter::draw(const mesh::Model& model, const mesh::M
 Gallery::Gallery(Painter& painter, const mesh::Model& model, std::vector<shading::View> views)
     : painter_(painter), model_(model), views_(std::move(views)), full_(painter.draw(model, model.mesh, views_)) {}
 
-ImageError Gallery::show(const mesh::Mesh& level) {
-    const std::vector<render::Image> pictures = painter_.draw(model_, level, views_);
+ImageError Gallery::show(const mesh::Model& materials, const mesh::Mesh& level) {
+    const std::vector<render::Image> pictures = painter_.draw(materials, level, views_);
     shown_.push_back(pictures.front());
     return image_error(full_, pictures);
 }

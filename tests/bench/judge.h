@@ -52,11 +52,14 @@ class Gallery {
         : Gallery(painter, model, views_around(model)) {}
     Gallery(Painter& painter, const mesh::Model& model, std::vector<shading::View> views);
 
-    ImageError show(const mesh::Mesh& level);
+    ImageError show(const mesh::Mesh& level) { return show(model_, level); }
+    ImageError show(const mesh::Model& level) { return show(level, level.mesh); }  // of materials of its own
     // The first view of the full model and of all levels shown since the last time, side by side.
     void write(const std::filesystem::path& file);
 
   private:
+    ImageError show(const mesh::Model& materials, const mesh::Mesh& level);
+
     Painter& painter_;
     const mesh::Model& model_;
     std::vector<shading::View> views_;

@@ -227,6 +227,17 @@ TEST(PlanResponse, TellsOfPointsWhereThereAreAny) {
     EXPECT_EQ(again->crossing->points_px, 3.5);
 }
 
+TEST(PlanResponse, TellsTheErrorOfAnOutsideWhereALevelShowsNothingElse) {
+    PlanResponse response;
+    EXPECT_EQ(to_json(response).find("outside"), std::string::npos);
+    response.level.outside = {0.5, 1.5};
+    const auto again = parse_plan_response(to_json(response));
+    ASSERT_TRUE(again) << again.error().message;
+    ASSERT_TRUE(again->level.outside);
+    EXPECT_EQ(again->level.outside->rms_error, 0.5);
+    EXPECT_EQ(again->level.outside->max_error, 1.5);
+}
+
 TEST(PlanRequest, NamesWhatALevelMayBeMadeOf) {
     const auto request =
         parse_plan_request(R"({"asset":"a","device":{"cpu_mhz":300,"points_per_second":5e5},"primitives":"any"})");

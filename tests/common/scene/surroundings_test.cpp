@@ -4,17 +4,13 @@
 
 #include <map>
 
-#include "common/mesh/operations.h"
 #include "common/metric/surface_distance.h"
-#include "tests/support/meshes.h"
+#include "tests/support/scenes.h"
 
 namespace lodestream::scene {
 namespace {
 
-mesh::Mesh moved(mesh::Mesh mesh, const Vec3f& by, float scale = 1.0f) {
-    for (Vec3f& p : mesh.positions) p = scale * p + by;
-    return mesh;
-}
+using testing::moved;
 
 mesh::Mesh joined(const std::vector<mesh::Mesh>& parts) {
     mesh::Mesh all;

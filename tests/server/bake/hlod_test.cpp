@@ -8,41 +8,17 @@
 #include "common/mesh/operations.h"
 #include "common/metric/surface_distance.h"
 #include "server/bake/bake.h"
-#include "tests/support/meshes.h"
+#include "tests/server/bake/red_and_blue.h"
+#include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace lodestream::bake {
 namespace {
 
-mesh::Mesh moved(mesh::Mesh mesh, const Vec3f& by) {
-    for (Vec3f& p : mesh.positions) p += by;
-    return mesh;
-}
-
-void add_object(mesh::Model& model, const mesh::Mesh& mesh, std::uint32_t node = 0) {
-    const auto object = static_cast<std::uint32_t>(model.graph.object_nodes.size());
-    mesh::append(model.mesh, mesh);
-    model.mesh.triangle_objects.resize(model.mesh.triangles.size(), object);
-    model.graph.object_nodes.push_back(node);
-    model.objects = object + 1;
-}
-
-mesh::Model empty_scene() {
-    mesh::Model model;
-    model.kind = mesh::Kind::scene;
-    model.materials.resize(1);
-    model.graph.parents = {mesh::no_parent};
-    return model;
-}
-
-// side * side spheres of 2 * n * (n - 1) triangles in the xz plane.
-mesh::Model spheres(std::uint32_t side, std::uint32_t n) {
-    mesh::Model model = empty_scene();
-    for (std::uint32_t row = 0; row < side; ++row)
-        for (std::uint32_t column = 0; column < side; ++column)
-            add_object(model, moved(testing::sphere(n), 3.0f * Vec3f(column, 0, row)));
-    return model;
-}
+using testing::add_object;
+using testing::empty_scene;
+using testing::moved;
+using testing::spheres;
 
 bool goes_on(double) {
     return true;
@@ -171,34 +147,23 @@ TEST_F(HlodTest, ObjectsInOnePlaceAndObjectsWithoutTriangles) {
 }
 
 TEST_F(HlodTest, TilesAboveTheLeavesShowNothingThatIsInside) {
-    mesh::Model model = empty_scene();
-    for (int i = 0; i < 20; ++i) add_object(model, moved(testing::sphere(12), 0.2f * Vec3f(i % 5, i % 4, 0)));
-    mesh::Mesh hull = testing::sphere(60);
-    for (Vec3f& p : hull.positions) p *= 5.0f;
-    add_object(model, hull);
+    const mesh::Model model = testing::hull_with_cargo(60);
     const TileTree tree = make(model);
     EXPECT_EQ(leaf_triangles(tree), model.mesh.triangles.size());
     for (const Vec3f& p : content(tree, 0).positions) EXPECT_GT(length(p), 4.0f);
 }
 
-TEST_F(HlodTest, MaterialsBecomeColoursWhereObjectsAreJoined) {
-    mesh::Model model = spheres(6, 24);
-    for (Vec3f& p : model.mesh.positions) p.x *= 0.67f;  // rows of spheres that touch
-    model.materials.resize(2);
-    model.materials[0].base_color = {1, 0, 0, 1};
-    model.materials[1].base_color = {0, 0, 1, 1};
-    for (const std::uint32_t object : model.mesh.triangle_objects)
-        model.mesh.triangle_materials.push_back(object % 6 < 3 ? 0 : 1);
-    const TileTree tree = make(model);
+TEST_F(HlodTest, MaterialsBecomeOneImageWhereObjectsAreJoined) {
+    const TileTree tree = make(testing::layer_of_cubes(30));
     const store::StoredFile file = *store.file(tree.hashes[0], "glb");
-    const codec::Decoded root = *codec::decode_level(*store::read_file(file.path, file.bytes));
+    codec::Decoded root = *codec::decode_level(*store::read_file(file.path, file.bytes));
     ASSERT_EQ(root.primitives.size(), 1u);
-    const mesh::Mesh& mesh = root.primitives[0].mesh;
-    ASSERT_EQ(mesh.colors.size(), mesh.positions.size());
-    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-        EXPECT_TRUE(mesh.positions[v].x > 2.0f || mesh.colors[v].x > 200) << v;
-        EXPECT_TRUE(mesh.positions[v].x < 8.0f || mesh.colors[v].z > 200) << v;
-    }
+    ASSERT_EQ(root.materials.size(), 1u);
+    ASSERT_EQ(root.images.size(), 1u);
+    mesh::Model model;
+    model.materials = root.materials;
+    model.images = root.images;
+    testing::expect_red_and_blue(model, root.primitives[0].mesh, 30);
 }
 
 TEST_F(HlodTest, TexturesAndMasksAreKept) {

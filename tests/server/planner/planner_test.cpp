@@ -9,7 +9,7 @@
 #include "server/bake/bake.h"
 #include "server/samples/samples.h"
 #include "tests/common/texture/textured.h"
-#include "tests/support/meshes.h"
+#include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace lodestream::planner {
@@ -32,6 +32,7 @@ struct Baked {
         painted.mesh = hills.mesh;
         for (const Vec3f& p : painted.mesh.positions) painted.mesh.texture_coordinates.emplace_back(p.x / 40, p.z / 40);
         add("painted", painted);
+        add("scene", testing::hull_with_cargo(32));
         mesh::Model ball;
         ball.mesh = testing::sphere(80);
         ball.materials.resize(1);
@@ -319,6 +320,36 @@ TEST(Planner, AFirstLevelIsNotTheAnswerOnceTheBakeIsDone) {
     EXPECT_TRUE(after.warnings.empty() || after.warnings[0].find("first level") == std::string::npos);
     const std::string hash = before.content.url.substr(before.content.url.rfind('/') + 1, 64);
     EXPECT_TRUE(store.file(hash, "glb").ok());  // whoever was sent there still finds it
+}
+
+TEST(Planner, SceneSeenFromOutsideGetsALevelOfItsOutside) {
+    proto::PlanRequest request = request_for("scene", 3400);
+    request.budget.preference.triangles = 500;
+    const Result<proto::PlanResponse> plan = baked().planner.plan(request);
+    ASSERT_TRUE(plan.ok()) << plan.error().message;
+    EXPECT_EQ(plan->level.triangles, 500u);
+    ASSERT_TRUE(plan->level.outside);
+    EXPECT_LT(plan->level.outside->rms_error, plan->level.rms_error);
+    EXPECT_LT(plan->level.outside->max_error, plan->level.max_error);
+    const Result<codec::Decoded> level = codec::decode_level(bytes_of(*plan));
+    ASSERT_TRUE(level.ok()) << level.error().message;
+    for (const codec::Primitive& primitive : level->primitives)
+        for (const Vec3f& p : primitive.mesh.positions) EXPECT_GT(length(p), 4.0f);
+    const proto::PlanResponse again = *baked().planner.plan(request);
+    EXPECT_EQ(again.content.url, plan->content.url);
+    EXPECT_EQ(again.level.outside->rms_error, plan->level.outside->rms_error);
+}
+
+TEST(Planner, EyeInsideASceneGetsItsInside) {
+    proto::PlanRequest request = request_for("scene", 3400);
+    request.budget.preference.triangles = 500;
+    const proto::PlanResponse outside = *baked().planner.plan(request);
+    request.view = shading::View{{3, 0, 0}, {0, 0, 0}, 45, {0.3, 1, 0.5}};
+    const Result<proto::PlanResponse> plan = baked().planner.plan(request);
+    ASSERT_TRUE(plan.ok()) << plan.error().message;
+    EXPECT_FALSE(plan->level.outside);
+    EXPECT_NE(plan->content.url, outside.content.url);
+    EXPECT_EQ(plan->level.triangles, 500u);
 }
 
 }  // namespace
