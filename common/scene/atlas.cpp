@@ -21,7 +21,6 @@ constexpr std::uint32_t gutter = 1;     // texels around a chart
 constexpr int smoothing_rounds = 4;     // of the directions that triangles face
 constexpr double least_facing = 0.35;   // cosine, of a triangle that follows its neighbours
 constexpr double overlap_depth = 2.0;   // texels between parts that lie over each other
-constexpr double packing_slack = 1.1;   // of the image's width to the side of a square of the charts' area
 constexpr double inside = -1e-9;        // weights of places inside or on a side
 constexpr double usual_room = 3.0;      // of the charts' rectangles to the surface
 constexpr double least_filled = 0.4;    // of a picture from a side

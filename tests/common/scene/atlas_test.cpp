@@ -52,7 +52,8 @@ TEST(Atlas, ATexelShowsThePlaceWhoseCoordinatesLeadToIt) {
     for (std::size_t i = 0; i < atlas.texels.size(); ++i) {
         if (atlas.texels[i].triangle == Texel::nothing) continue;
         ++shown;
-        const glm::dvec2 middle(static_cast<double>(i % atlas.width) + 0.5, static_cast<double>(i / atlas.width) + 0.5);
+        const std::size_t x = i % atlas.width, y = i / atlas.width;
+        const glm::dvec2 middle(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
         EXPECT_LT(distance(seen_at(atlas, atlas.texels[i]), middle), 1e-2);
         EXPECT_NEAR(length(place_of(sphere, atlas.texels[i])), 1.0, 0.02);
     }
