@@ -3,6 +3,8 @@
 #include "server/bake/shells.h"
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
@@ -15,6 +17,9 @@ namespace lodestream::bake {
 namespace {
 
 constexpr std::string_view magic = "LODSHEL1";
+// Shares of its progress.
+constexpr double recorded_share = 0.2;
+constexpr double chosen_share = 0.6;
 
 // A history that may serve from some count on, measured from there.
 struct Candidate {
@@ -28,12 +33,15 @@ std::uint64_t finest_count(const mesh::Mesh& scene) {
 }
 
 // Goes down in triangles and hands over to the candidate that shows a count best; one that was left is not measured
-// any more. The scene's own history is the one in charge at first.
-void hand_over(const simplify::History& scene, std::vector<Candidate>& shells, const SeenSurface& seen,
-               const mesh::Mesh& seen_finest, std::uint64_t most) {
+// any more. The scene's own history is the one in charge at first. Tells `progress` what is left in halvings; false
+// where it was cancelled.
+bool hand_over(const simplify::History& scene, std::vector<Candidate>& shells, const SeenSurface& seen,
+               const mesh::Mesh& seen_finest, std::uint64_t most, const std::function<bool(double)>& progress) {
     Candidate own{&scene, {}};
     Candidate* in_charge = &own;
     for (std::uint64_t count = most; count > 0; count /= 2) {
+        if (!progress(1.0 - std::log2(1.0 + static_cast<double>(count)) / std::log2(1.0 + static_cast<double>(most))))
+            return false;
         std::vector<Candidate*> measured{in_charge};
         for (Candidate& shell : shells)
             if (&shell != in_charge && shell.errors.empty()) measured.push_back(&shell);
@@ -47,14 +55,21 @@ void hand_over(const simplify::History& scene, std::vector<Candidate>& shells, c
         in_charge = measured[best];
         in_charge->errors.push_back({count, errors[best]});
     }
+    return true;
 }
 
+// At the same counts; fewer where it was cancelled.
 std::vector<ErrorSample> measured(const simplify::History& history, const std::vector<ErrorSample>& counts,
-                                  const mesh::Mesh& finest, const metric::SurfaceIndex& original) {
+                                  const mesh::Mesh& finest, const metric::SurfaceIndex& original,
+                                  const std::function<bool(double)>& progress) {
     std::vector<ErrorSample> errors(counts.size());
+    std::atomic<std::size_t> done{0};
+    std::atomic<bool> going{true};
     all_cores()(counts.size(), [&](std::size_t i) {
+        if (!going) return;
         errors[i] = {counts[i].triangles,
                      metric::measure(original, finest, simplify::cut(history, counts[i].triangles))};
+        if (!progress(static_cast<double>(++done) / static_cast<double>(counts.size()))) going = false;
     });
     return errors;
 }
@@ -96,26 +111,28 @@ Result<std::vector<Shell>> make_shells(const BakedModel& scene, const mesh::Mesh
     SeenSurface seen = seen_from_outside({finest, false}, most, can_be_painted(scene.model.materials));
     const mesh::Mesh seen_finest = seen.surfaces.front().mesh;
     std::vector<simplify::History> histories;
-    const double steps = 1.0 + static_cast<double>(seen.surfaces.size());
     for (Surface& surface : seen.surfaces) {
-        const auto done = 1.0 + static_cast<double>(histories.size());
+        const auto done = static_cast<double>(histories.size());
+        const auto all = static_cast<double>(seen.surfaces.size());
         simplify::RecordOptions recording;
         recording.executor = all_cores();
-        recording.progress = [&](double share) { return progress((done + share) / steps); };
+        recording.progress = [&](double share) { return progress(recorded_share * (done + share) / all); };
         Result<simplify::History> history = simplify::record_history(std::move(surface.mesh), recording);
         if (!history) return history.error();
         histories.push_back(*std::move(history));
     }
     std::vector<Candidate> candidates;
     for (const simplify::History& history : histories) candidates.push_back({&history, {}});
-    hand_over(scene.history, candidates, seen, seen_finest, most);
-    if (!progress(1.0)) return ended;
+    const auto handing = [&](double share) { return progress(std::lerp(recorded_share, chosen_share, share)); };
+    if (!hand_over(scene.history, candidates, seen, seen_finest, most, handing)) return ended;
+    const auto measuring = [&](double share) { return progress(std::lerp(chosen_share, 1.0, share)); };
 
     std::vector<Shell> shells;
     for (std::size_t i = 0; i < histories.size(); ++i) {
         std::vector<ErrorSample>& seen_errors = candidates[i].errors;
         if (seen_errors.empty()) continue;
-        std::vector<ErrorSample> errors = measured(histories[i], seen_errors, finest, original);
+        std::vector<ErrorSample> errors = measured(histories[i], seen_errors, finest, original, measuring);
+        if (!progress(chosen_share)) return ended;
         Shell& shell = shells.emplace_back();
         shell.baked = baked_shell(scene, seen.surfaces[i].is_bare, std::move(histories[i]));
         shell.baked.errors = below(scene.errors, std::move(errors));
