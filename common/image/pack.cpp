@@ -42,6 +42,7 @@ std::vector<stbrp_rect> packed(std::vector<stbrp_rect> rects, std::uint32_t widt
 }  // namespace
 
 PackedSize pack(std::vector<Rectangle>& rectangles) {
+    if (rectangles.empty()) return {};
     std::vector<stbrp_rect> rects;
     double area = 0.0;
     std::uint32_t widest = 1;
