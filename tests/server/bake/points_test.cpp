@@ -169,7 +169,7 @@ TEST_F(PointsTest, AnEmptyCloudIsRefused) {
 TEST_F(PointsTest, MakingThemCanBeCancelledAtEveryStep) {
     const mesh::Model model = sphere_model(20);
     const metric::SurfaceIndex original(model.mesh);
-    int steps = 0;
+    std::atomic<int> steps = 0;
     ASSERT_TRUE(store.put_asset([] {
         proto::Asset asset;
         asset.id = asset.name = "model";
