@@ -58,6 +58,13 @@ bool hand_over(const simplify::History& scene, std::vector<Candidate>& shells, c
     return true;
 }
 
+// What is hidden is far from every level and hardly farther from a coarser one: fewer counts tell enough of it.
+std::vector<ErrorSample> every_second(const std::vector<ErrorSample>& samples) {
+    std::vector<ErrorSample> some;
+    for (std::size_t i = 0; i < samples.size(); i += 2) some.push_back(samples[i]);
+    return some;
+}
+
 // At the same counts; fewer where it was cancelled.
 std::vector<ErrorSample> measured(const simplify::History& history, const std::vector<ErrorSample>& counts,
                                   const mesh::Mesh& finest, const metric::SurfaceIndex& original,
@@ -131,7 +138,8 @@ Result<std::vector<Shell>> make_shells(const BakedModel& scene, const mesh::Mesh
     for (std::size_t i = 0; i < histories.size(); ++i) {
         std::vector<ErrorSample>& seen_errors = candidates[i].errors;
         if (seen_errors.empty()) continue;
-        std::vector<ErrorSample> errors = measured(histories[i], seen_errors, finest, original, measuring);
+        std::vector<ErrorSample> errors =
+            measured(histories[i], every_second(seen_errors), finest, original, measuring);
         if (!progress(chosen_share)) return ended;
         Shell& shell = shells.emplace_back();
         shell.baked = baked_shell(scene, seen.surfaces[i].is_bare, std::move(histories[i]));
