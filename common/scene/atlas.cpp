@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <tuple>
@@ -106,12 +107,12 @@ Vec2d projected(const Vec3f& p, Facing facing) {
     return {p[(axis + 1) % 3], p[(axis + 2) % 3]};
 }
 
-struct Rectangle {
+struct Shadow {
     Vec2d low{std::numeric_limits<double>::max()}, high{std::numeric_limits<double>::lowest()};
 };
 
-Rectangle shadow_of(const mesh::Mesh& mesh, const Part& part, Facing facing) {
-    Rectangle shadow;
+Shadow shadow_of(const mesh::Mesh& mesh, const Part& part, Facing facing) {
+    Shadow shadow;
     for (const std::uint32_t t : part)
         for (const std::uint32_t v : mesh.triangles[t]) {
             shadow.low = min(shadow.low, projected(mesh.positions[v], facing));
@@ -150,8 +151,6 @@ class Unfolding {
         texel_size_ = choose_texel_size();
     }
 
-    double texel_size() const { return texel_size_; }
-
     // Pictures from the six sides as long as they are filled well, then parts one by one. What lies over itself makes
     // charts of its own, until these take more room than is reasonable.
     std::vector<Chart> charts() const {
@@ -168,9 +167,10 @@ class Unfolding {
             while (!side.empty() && filled(side, facing) > least_filled) add(side);
             std::vector<bool> is_left(faced_.size(), false);
             for (const std::uint32_t t : side) is_left[t] = true;
-            for (Part part : parts_) {
-                std::erase_if(part, [&](std::uint32_t t) { return !is_left[t]; });
-                while (!part.empty()) add(part);
+            for (const Part& part : parts_) {
+                Part rest;
+                std::copy_if(part.begin(), part.end(), std::back_inserter(rest), [&](auto t) { return is_left[t]; });
+                while (!rest.empty()) add(rest);
             }
         }
         return charts;
@@ -184,7 +184,7 @@ class Unfolding {
   private:
     // The share of the rectangle around them that triangles could fill.
     double filled(const Part& part, Facing facing) const {
-        const Rectangle shadow = shadow_of(mesh_, part, facing);
+        const Shadow shadow = shadow_of(mesh_, part, facing);
         const double room = (shadow.high.x - shadow.low.x) * (shadow.high.y - shadow.low.y);
         double area = 0.0;
         for (const std::uint32_t t : part) {
@@ -201,7 +201,7 @@ class Unfolding {
         for (const auto& [a, b, c] : mesh_.triangles)
             area += mesh::face_area(mesh_.positions[a], mesh_.positions[b], mesh_.positions[c]);
         for (const Part& part : parts_) {
-            const Rectangle shadow = shadow_of(mesh_, part, faced_[part.front()]);
+            const Shadow shadow = shadow_of(mesh_, part, faced_[part.front()]);
             room += (shadow.high.x - shadow.low.x) * (shadow.high.y - shadow.low.y);
         }
         const Vec3d extent = mesh::bounds(mesh_).extent();
@@ -214,7 +214,7 @@ class Unfolding {
     Chart chart_of(Part& rest, Facing facing, bool may_overlap) const {
         Chart chart;
         chart.facing = facing;
-        const Rectangle shadow = shadow_of(mesh_, rest, facing);
+        const Shadow shadow = shadow_of(mesh_, rest, facing);
         chart.low = shadow.low;
         const Vec2d size = (shadow.high - shadow.low) / texel_size_;
         chart.width = static_cast<std::uint32_t>(size.x) + 2 + 2 * gutter;
@@ -290,7 +290,6 @@ Atlas unfold(const mesh::Mesh& surface, std::uint64_t texels) {
     assert(!surface.triangles.empty() && texels > 0);
     const Unfolding unfolding(surface, texels);
     Atlas atlas;
-    atlas.texel_size = unfolding.texel_size();
     const std::vector<Chart> charts = unfolding.charts();
     std::vector<image::Rectangle> places;
     for (const Chart& chart : charts) places.push_back({chart.width, chart.height});
@@ -299,7 +298,6 @@ Atlas unfold(const mesh::Mesh& surface, std::uint64_t texels) {
     atlas.height = size.height;
     atlas.texels.resize(std::size_t{atlas.width} * atlas.height);
     atlas.mesh.triangles.resize(surface.triangles.size());
-    atlas.mesh.triangle_materials = surface.triangle_materials;
     for (std::size_t i = 0; i < charts.size(); ++i) {
         const Chart& chart = charts[i];
         const image::Rectangle& at = places[i];

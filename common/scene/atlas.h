@@ -21,15 +21,15 @@ struct Texel {
 
 struct Atlas {
     // The surface's triangles in their order; texture coordinates in [0, 1], vertices that are in several charts once
-    // in each. No colours.
+    // in each. No colours or materials.
     mesh::Mesh mesh;
     std::uint32_t width = 0, height = 0;  // texels, >= 1
     std::vector<Texel> texels;            // width * height, the upper row first; every chart has some
-    double texel_size = 0.0;              // model units along a chart
 };
 
-// Lays out a surface in about so many texels, all of one size. A chart is a connected part that faces along one axis
-// (so a texel covers at most 1.73 times its own area) and does not lie over itself; around it lies a texel of nothing.
+// Lays out a surface in about so many texels, all of one size. A chart shows what faces along one axis (most of it so
+// that a texel covers at most 1.73 times its own area) and does not lie over itself: a picture of all of that side, or
+// a connected part. Around it lies a texel of nothing.
 // pre: `surface` has triangles; texels > 0
 Atlas unfold(const mesh::Mesh& surface, std::uint64_t texels);
 

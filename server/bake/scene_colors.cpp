@@ -11,6 +11,7 @@
 #include "common/mesh/nearest.h"
 #include "common/mesh/operations.h"
 #include "common/scene/atlas.h"
+#include "server/bake/seen_surface.h"
 
 namespace lodestream::bake {
 
@@ -77,7 +78,7 @@ Result<mesh::Model> SceneColors::paint(const mesh::Mesh& surface) const {
     mesh::Model painted;
     mesh::Material& material = painted.materials.emplace_back();
     material.name = painted_name;
-    const mesh::Mesh shaded = mesh::with_normals(surface, crease_degrees);
+    const mesh::Mesh shaded = mesh::with_normals(bare(surface), crease_degrees);
     if (const std::optional<Vec4f> color = colors_.constant()) {
         painted.mesh = shaded;
         material.base_color = *color;
@@ -104,7 +105,6 @@ Result<mesh::Model> SceneColors::paint(const mesh::Mesh& surface) const {
     Result<mesh::Image> image = encode(pixels_of(texels, atlas.width));
     if (!image) return image.error();
     painted.mesh = std::move(atlas.mesh);
-    painted.mesh.triangle_materials.clear();
     painted.images.push_back(*std::move(image));
     material.base_color_texture.image = 0;
     material.base_color_texture.wrap_s = material.base_color_texture.wrap_t = mesh::Wrap::clamp_to_edge;

@@ -78,7 +78,9 @@ Result<std::shared_ptr<const LoadedAsset>> BakedCache::load(const std::string& a
 
     Result<std::shared_ptr<const LoadedAsset>> asset = open_asset(store_, asset_id, content->file);
     if (!asset) return asset;
-    entries_.push_front({asset_id, content->file.hash, content->file.bytes, *asset});
+    std::uint64_t bytes = 0;
+    for (const store::MappedFile& file : (*asset)->files) bytes += file.bytes().size();
+    entries_.push_front({asset_id, content->file.hash, bytes, *asset});
     make_room();
     return asset;
 }
