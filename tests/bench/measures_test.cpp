@@ -40,7 +40,7 @@ std::unique_ptr<char[]> touched_block() {
 }
 
 TEST(PeakGrowth, CountsWhatWasTouchedAndFreedAgain) {
-    EXPECT_GE(peak_growth_bytes([] { touched_block(); }), block_bytes);
+    EXPECT_GE(peak_growth_bytes([] { touched_block(); }), block_bytes - resident_count_error_bytes);
 }
 
 TEST(PeakGrowth, LeavesOutWhatWasThereBefore) {

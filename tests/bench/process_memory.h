@@ -6,6 +6,9 @@
 
 namespace lodestream::bench {
 
+// Linux keeps what it counts of resident pages on each processor for a while: a figure may be off by this much.
+inline constexpr std::uint64_t resident_count_error_bytes = 1 << 20;
+
 // By how much the resident set grows at its peak while `work` runs in a forked copy of this process. What the heap
 // holds free is handed back first and the kernel's high-water mark is reset, so all that the work touches is counted,
 // however it was allocated, and nothing that was there before. What the work takes from this process or changes in it
