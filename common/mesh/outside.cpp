@@ -37,8 +37,7 @@ void Outside::flood() {
     }
 }
 
-bool Outside::reaches(const Vec3d& point) const {
-    const Cell cell = cell_of(point);
+bool Outside::reaches(const Cell& cell) const {
     for (std::uint32_t z = cell[2] - 1; z <= cell[2] + 1; ++z)
         for (std::uint32_t y = cell[1] - 1; y <= cell[1] + 1; ++y)
             for (std::uint32_t x = cell[0] - 1; x <= cell[0] + 1; ++x)

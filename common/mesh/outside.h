@@ -19,20 +19,23 @@ class Outside {
     Outside(const Vec3d& extent, double cell_size);
 
     // 1. A point of the surface. Two marked points are joined where they are at most half a cell apart.
-    void mark(const Vec3d& point) { cells_[index(cell_of(point))] = State::surface; }
+    void mark(const Vec3d& point) { mark(cell_of(point)); }
+    void mark(const Cell& cell) { cells_[index(cell)] = State::surface; }
     // 2. Finds what is outside: all cells that are joined to the layer around by cells without a mark.
     void flood();
 
     // Whether a cell at or beside this point is outside.
-    bool reaches(const Vec3d& point) const;
+    bool reaches(const Vec3d& point) const { return reaches(cell_of(point)); }
+    bool reaches(const Cell& cell) const;
     bool is_outside(const Cell& cell) const { return cells_[index(cell)] == State::outside; }
+    // Between two points of one cell all are of that cell.
+    Cell cell_of(const Vec3d& point) const;
     // Cells along each axis, the layer around included: cell k spans [k - 1, k] times the cell's size.
     const Cell& size() const { return size_; }
 
   private:
     enum class State : std::uint8_t { empty, surface, outside };
 
-    Cell cell_of(const Vec3d& point) const;
     std::size_t index(const Cell& cell) const {
         return (std::size_t{cell[2]} * size_[1] + cell[1]) * size_[0] + cell[0];
     }

@@ -1,8 +1,9 @@
 #include "common/metric/triangle_tree.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <limits>
-#include <numeric>
 
 #include "common/mesh/nearest.h"
 
@@ -11,10 +12,25 @@ namespace lodestream::metric {
 namespace {
 
 constexpr std::uint32_t triangles_in_leaf = 4;
-constexpr std::size_t max_depth = 64;  // halving 2^32 triangles needs half of it
+constexpr std::size_t bins = 16;       // places to split at
+constexpr std::size_t max_open = 640;  // three at each depth; 2^32 triangles are within 166 splits, an eighth each
+constexpr float infinity = std::numeric_limits<float>::infinity();
+// Rounding in float takes less than this from what a box is compared with.
+constexpr float shrink = 1.0f - 1e-6f;
+constexpr double grow = 1.0 + 1e-6;
+constexpr double smallest_squared = 1e-36;  // of scaled lengths: a float's squares are as exact down to there
 
 double squared(const Vec3d& v) {
     return dot(v, v);
+}
+
+float saturated(double value) {
+    constexpr double most = std::numeric_limits<float>::max();
+    return static_cast<float>(std::clamp(value, -most, most));
+}
+
+Vec3f saturated(const Vec3d& v) {
+    return {saturated(v.x), saturated(v.y), saturated(v.z)};
 }
 
 // From the origin to the segment a + t * ab.
@@ -47,6 +63,25 @@ double squared_distance(const TriangleTree::Corners& triangle, const Vec3d& poin
                      squared_distance_to_segment(b, c - b)});
 }
 
+void TriangleTree::FloatBox::add(const FloatBox& other) {
+    min = glm::min(min, other.min);
+    max = glm::max(max, other.max);
+}
+
+double TriangleTree::FloatBox::area() const {
+    const Vec3d extent = Vec3d(max) - Vec3d(min);
+    return extent.x * extent.y + extent.y * extent.z + extent.z * extent.x;
+}
+
+void TriangleTree::Side::add(const Side& other) {
+    if (other.count == 0) return;
+    if (count > 0)
+        box.add(other.box);
+    else
+        box = other.box;
+    count += other.count;
+}
+
 TriangleTree::TriangleTree(const mesh::Mesh& mesh) {
     std::vector<Item> items(mesh.triangles.size());
     for (std::uint32_t t = 0; t < items.size(); ++t) {
@@ -55,6 +90,11 @@ TriangleTree::TriangleTree(const mesh::Mesh& mesh) {
         const FloatBox box{min(min(a, b), c), max(max(a, b), c)};
         items[t] = {box, 0.5f * box.min + 0.5f * box.max, t};
     }
+    float largest = 0.0f;
+    for (const Item& item : items)
+        for (int axis = 0; axis < 3; ++axis)
+            largest = std::max({largest, std::abs(item.box.min[axis]), std::abs(item.box.max[axis])});
+    if (largest > 0.0f) scale_ = std::exp2(-std::ilogb(largest));
     if (!items.empty()) build(items);
     triangles_.reserve(items.size());
     order_.reserve(items.size());
@@ -65,65 +105,145 @@ TriangleTree::TriangleTree(const mesh::Mesh& mesh) {
     }
 }
 
-// Halves the triangles along the longest axis of their centres, top down.
+// Splits what is largest in two until a node has all its children, top down.
 void TriangleTree::build(std::vector<Item>& items) {
-    nodes_.reserve(items.size() / 2 + 2);
-    nodes_.push_back({{}, 0, static_cast<std::uint32_t>(items.size())});
-    for (std::size_t n = 0; n < nodes_.size(); ++n) {
-        const std::uint32_t first = nodes_[n].first, count = nodes_[n].count;
-        Item *begin = items.data() + first, *end = begin + count;
-        FloatBox box = begin->box, centers{begin->center, begin->center};
-        for (const Item* i = begin; i != end; ++i) {
-            box = {min(box.min, i->box.min), max(box.max, i->box.max)};
-            centers = {min(centers.min, i->center), max(centers.max, i->center)};
+    std::vector<Range> ranges{{0, static_cast<std::uint32_t>(items.size())}};  // of each node
+    for (std::size_t n = 0; n < ranges.size(); ++n) {
+        std::array<Range, width> parts{ranges[n]};
+        for (std::size_t k = 1; k < width; ++k) {
+            Range& largest = *std::max_element(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(k),
+                                               [](const Range& a, const Range& b) { return a.count < b.count; });
+            if (largest.count <= triangles_in_leaf) break;
+            const std::uint32_t left = split(std::span(items).subspan(largest.first, largest.count));
+            parts[k] = {largest.first + left, largest.count - left};
+            largest.count = left;
         }
-        nodes_[n].box = box;
-        if (count <= triangles_in_leaf) continue;
-
-        const Vec3d extent = Vec3d(centers.max) - Vec3d(centers.min);
-        const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-        const std::uint32_t half = count / 2;
-        std::nth_element(begin, begin + half, end, [axis](const Item& a, const Item& b) {
-            return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.triangle < b.triangle;
-        });
-        nodes_[n].first = static_cast<std::uint32_t>(nodes_.size());
-        nodes_[n].count = 0;
-        nodes_.push_back({{}, first, half});
-        nodes_.push_back({{}, first + half, count - half});
+        Node& node = nodes_.emplace_back();
+        for (std::size_t k = 0; k < width && parts[k].count > 0; ++k) {
+            set_box(node, k, box_of(std::span(items).subspan(parts[k].first, parts[k].count)));
+            node.children[k] = parts[k];
+            if (parts[k].count <= triangles_in_leaf) continue;
+            node.children[k] = {static_cast<std::uint32_t>(ranges.size()), 0};
+            ranges.push_back(parts[k]);
+        }
     }
 }
 
-double TriangleTree::squared_distance(const FloatBox& box, const Vec3d& point) {
-    const Vec3d outside = max(max(Vec3d(box.min) - point, point - Vec3d(box.max)), Vec3d{0.0});
-    return squared(outside);
+TriangleTree::FloatBox TriangleTree::box_of(std::span<const Item> items) {
+    FloatBox box = items.front().box;
+    for (const Item& item : items) box.add(item.box);
+    return box;
+}
+
+// Orders the items along the longest axis of their centres so far that the first ones, whose number this returns, are
+// one side. Of `bins` places to cut, takes the one at which both sides' surface areas times their items are least
+// (Wald 2007, "On fast construction of SAH-based bounding volume hierarchies"); no side gets less than an eighth.
+std::uint32_t TriangleTree::split(std::span<Item> items) {
+    FloatBox centers{items.front().center, items.front().center};
+    for (const Item& item : items) centers.add({item.center, item.center});
+    const Vec3d extent = Vec3d(centers.max) - Vec3d(centers.min);
+    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+
+    std::array<Side, bins> in_bin{};
+    const double per_length = extent[axis] > 0.0 ? bins / extent[axis] : 0.0;
+    for (const Item& item : items) {
+        const double place = (double{item.center[axis]} - double{centers.min[axis]}) * per_length;
+        in_bin[std::min(bins - 1, static_cast<std::size_t>(place))].add({item.box, 1});
+    }
+    std::array<Side, bins> from{};  // this bin and all above
+    for (std::size_t k = bins; k-- > 0;) {
+        if (k + 1 < bins) from[k] = from[k + 1];
+        from[k].add(in_bin[k]);
+    }
+    const auto count = static_cast<std::uint32_t>(items.size()), least = (count + 7) / 8;
+    std::uint32_t left = count / 2;
+    double best = std::numeric_limits<double>::infinity();
+    Side below;
+    for (std::size_t k = 1; k < bins; ++k) {
+        below.add(in_bin[k - 1]);
+        const double cost = below.cost() + from[k].cost();
+        if (std::min(below.count, from[k].count) < least || !(cost < best)) continue;
+        best = cost;
+        left = below.count;
+    }
+    std::nth_element(items.begin(), items.begin() + left, items.end(), [axis](const Item& a, const Item& b) {
+        return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.triangle < b.triangle;
+    });
+    return left;
+}
+
+void TriangleTree::set_box(Node& node, std::size_t child, const FloatBox& box) const {
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto k = static_cast<std::size_t>(axis);
+        node.min[k][child] = static_cast<float>(scale_ * box.min[axis]);
+        node.max[k][child] = static_cast<float>(scale_ * box.max[axis]);
+    }
+}
+
+struct TriangleTree::Query {
+    Query(const Vec3d& at, double scale) : squared_scale(scale * scale) {
+        const Vec3d scaled = scale * at;
+        point = saturated(scaled);
+        rounded = saturated(grow * abs(scaled - Vec3d(point)));
+    }
+    // What a box's squared distance must be below, for a triangle nearer than `squared` to be in it.
+    float limit(double squared) const {
+        const double scaled = squared * squared_scale;
+        if (scaled < smallest_squared) return 0.0f;
+        return scaled < std::numeric_limits<float>::max() ? static_cast<float>(scaled) / shrink : infinity;
+    }
+
+    double squared_scale;
+    Vec3f point;
+    Vec3f rounded;  // how far the point may be from that, along each axis
+};
+
+TriangleTree::Lanes TriangleTree::squared_distances(const Node& node, const Query& query) {
+    Lanes sum{};
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto k = static_cast<std::size_t>(axis);
+        const Lanes below = node.min[k] - query.point[axis], above = query.point[axis] - node.max[k];
+        const Lanes outside = (below > above ? below : above) - query.rounded[axis];
+        const Lanes away = outside > 0.0f ? outside : Lanes{};
+        sum += away * away;
+    }
+    const Lanes most = Lanes{} + std::numeric_limits<float>::max();
+    return sum < most ? sum : most;
 }
 
 TriangleTree::Hit TriangleTree::nearest(const Vec3d& point, double bound) const {
     Hit hit{bound, no_triangle};
     if (nodes_.empty()) return hit;
+    const Query query(point, scale_);
     struct Open {
-        std::uint32_t node;
-        double distance;
+        float distance;
+        Range range;  // as a node has its children
     };
-    std::array<Open, max_depth> open;
-    std::size_t depth = 0;
-    open[depth++] = {0, squared_distance(nodes_[0].box, point)};
-    while (depth > 0) {
-        const Open next = open[--depth];
-        if (next.distance >= hit.squared_distance) continue;
-        const Node& node = nodes_[next.node];
-        if (node.count > 0) {
-            for (std::uint32_t t = node.first; t < node.first + node.count; ++t) {
-                const double distance = metric::squared_distance(triangles_[t], point);
-                if (distance < hit.squared_distance) hit = {distance, t};
-            }
-            continue;
+    std::array<Open, max_open> open;
+    std::size_t count = 0;
+    open[count++] = {0.0f, {0, 0}};
+    float limit = query.limit(bound);
+    while (count > 0) {
+        const auto [distance, range] = open[--count];
+        if (!(distance < limit)) continue;
+        for (std::uint32_t t = range.first; t < range.first + range.count; ++t) {
+            const double squared = metric::squared_distance(triangles_[t], point);
+            if (!(squared < hit.squared_distance)) continue;
+            hit = {squared, t};
+            limit = query.limit(squared);
         }
-        Open near{node.first, squared_distance(nodes_[node.first].box, point)};
-        Open far{node.first + 1, squared_distance(nodes_[node.first + 1].box, point)};
-        if (far.distance < near.distance) std::swap(near, far);
-        if (far.distance < hit.squared_distance) open[depth++] = far;
-        if (near.distance < hit.squared_distance) open[depth++] = near;
+        if (range.count > 0) continue;
+        const Node& node = nodes_[range.first];
+        const Lanes distances = squared_distances(node, query);
+        const std::size_t first = count;
+        for (std::size_t k = 0; k < width; ++k) {
+            const Range& child = node.children[k];
+            const bool is_none = child.count == 0 && child.first == 0;
+            if (is_none || !(distances[k] < limit)) continue;
+            std::size_t place = count++;  // the nearest last
+            for (; place > first && open[place - 1].distance < distances[k]; --place) open[place] = open[place - 1];
+            open[place] = {distances[k], child};
+        }
     }
     return hit;
 }

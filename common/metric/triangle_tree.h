@@ -1,8 +1,11 @@
-// A tree of boxes over triangles, for nearest-point queries.
+// A tree of boxes over triangles, for nearest-point queries. Four children a node, whose boxes are measured at once
+// (Dammertz, Hanika, Keller 2008, "Shallow bounding volume hierarchies for fast SIMD ray tracing of incoherent rays").
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/base/math.h"
@@ -11,7 +14,8 @@
 namespace lodestream::metric {
 
 // Distances are computed in double on the mesh's own coordinates: even the fourth powers of the largest and smallest
-// float lengths are well inside its range.
+// float lengths are well inside its range. Boxes are compared in float, never to the loss of a nearer triangle but
+// where both are nearer than 1e-18 of the mesh's largest coordinate.
 class TriangleTree {
   public:
     using Corners = std::array<Vec3f, 3>;
@@ -37,23 +41,48 @@ class TriangleTree {
   private:
     struct FloatBox {
         Vec3f min, max;
+
+        void add(const FloatBox& other);
+        double area() const;  // half of its surface's
     };
-    // Inner node: two children. Leaf: triangles [first, first + count).
-    struct Node {
-        FloatBox box;
-        std::uint32_t first;  // the left child (the right one follows it) or the first triangle
-        std::uint32_t count;  // 0: inner
+    // Items and the box around them; without items the box says nothing.
+    struct Side {
+        FloatBox box{};
+        std::uint32_t count = 0;
+
+        void add(const Side& other);
+        double cost() const { return count > 0 ? count * box.area() : 0.0; }
     };
     struct Item {
         FloatBox box;
         Vec3f center;
         std::uint32_t triangle;
     };
+    // A run of items.
+    struct Range {
+        std::uint32_t first, count;
+    };
+    static constexpr std::size_t width = 4;
+    // One float of each child of a node, reckoned with at once.
+    using Lanes = float __attribute__((vector_size(width * sizeof(float))));
+    // Boxes are scaled. A child of no triangles is a node, `first` its index; the root stands for none.
+    struct Node {
+        std::array<Lanes, 3> min, max;
+        std::array<Range, width> children;
+    };
+    // A point and lengths as the boxes have them.
+    struct Query;
 
     void build(std::vector<Item>& items);
-    static double squared_distance(const FloatBox& box, const Vec3d& point);
+    static std::uint32_t split(std::span<Item> items);
+    static FloatBox box_of(std::span<const Item> items);
+    void set_box(Node& node, std::size_t child, const FloatBox& box) const;
+    static Lanes squared_distances(const Node& node, const Query& query);
 
     std::vector<Node> nodes_;
+    // A power of two that brings the largest coordinate near one: lengths that floats cannot square, however large or
+    // small the mesh is, are then below anything that matters.
+    double scale_ = 1.0;
     std::vector<Corners> triangles_;
     std::vector<std::uint32_t> order_;
 };

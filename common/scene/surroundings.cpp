@@ -16,7 +16,11 @@ constexpr double samples_per_cell = 3.0;  // along a side: no way through a surf
 constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t max_halvings = 4 * 32;  // of one triangle; more than the least cell needs
 
-using Corners = std::array<Vec3d, 3>;
+struct Corner {
+    Vec3d place;
+    mesh::Outside::Cell cell;
+};
+using Corners = std::array<Corner, 3>;
 
 double longest_side(const Box& box) {
     const Vec3d extent = box.extent();
@@ -32,22 +36,40 @@ double size_of_cells(const Box& box, std::uint32_t cells) {
     return longest > 0.0 ? longest / std::clamp(cells, min_cells, max_cells) : 1.0;
 }
 
-// Halves the longest side until none is longer than `spacing`; `visit` is given each corner of all parts once, but for
-// those that parts share across a side, and ends it by returning true, which this returns too.
+// Whether nothing between the corners is in another cell: they are in one, or in two beside each other.
+bool only_in_their_cells(const Corners& t) {
+    std::uint32_t steps = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto [low, high] = std::minmax({t[0].cell[axis], t[1].cell[axis], t[2].cell[axis]});
+        steps += high - low;
+    }
+    return steps <= 1;
+}
+
+// Halves the longest side until none is longer than `spacing` or a part cannot meet more cells; `visit` is given the
+// cell of each corner of all parts once, but for those that parts share across a side, and ends it by returning true,
+// which this returns too.
 template <class Visit>
-bool any_part(const Corners& triangle, double spacing, std::vector<Corners>& open, Visit visit) {
-    for (const Vec3d& corner : triangle)
-        if (visit(corner)) return true;
-    open.assign(1, triangle);
+bool any_cell(const mesh::Outside& cells, const std::array<Vec3d, 3>& triangle, double spacing,
+              std::vector<Corners>& open, Visit visit) {
+    Corners whole{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        whole[k] = {triangle[k], cells.cell_of(triangle[k])};
+        if (visit(whole[k].cell)) return true;
+    }
+    open.assign(1, whole);
     while (!open.empty()) {
         const Corners t = open.back();
         open.pop_back();
-        const std::array<double, 3> sides{squared(t[1] - t[0]), squared(t[2] - t[1]), squared(t[0] - t[2])};
+        if (only_in_their_cells(t)) continue;
+        const std::array<double, 3> sides{squared(t[1].place - t[0].place), squared(t[2].place - t[1].place),
+                                          squared(t[0].place - t[2].place)};
         const auto longest = static_cast<std::size_t>(std::max_element(sides.begin(), sides.end()) - sides.begin());
         if (!(sides[longest] > spacing * spacing) || open.size() > max_halvings) continue;
-        const Vec3d &a = t[longest], &b = t[(longest + 1) % 3], &c = t[(longest + 2) % 3];
-        const Vec3d middle = 0.5 * (a + b);
-        if (visit(middle)) return true;
+        const Corner &a = t[longest], &b = t[(longest + 1) % 3], &c = t[(longest + 2) % 3];
+        const Vec3d half = 0.5 * (a.place + b.place);
+        const Corner middle{half, cells.cell_of(half)};
+        if (visit(middle.cell)) return true;
         open.push_back({a, middle, c});
         open.push_back({middle, b, c});
     }
@@ -78,18 +100,20 @@ Surroundings::Surroundings(const mesh::Mesh& mesh, const Box& box, std::uint32_t
     : mesh_(mesh), low_(box.min), cell_size_(size_of_cells(box, cells)), outside_(box.extent(), cell_size_) {
     assert(!mesh.triangles.empty());
     const double spacing = cell_size_ / samples_per_cell;
-    const auto corners = [&](const mesh::Triangle& t) {
-        return Corners{place(mesh.positions[t[0]]), place(mesh.positions[t[1]]), place(mesh.positions[t[2]])};
-    };
     std::vector<Corners> open;
+    const auto any_cell_of = [&](const mesh::Triangle& t, const auto& visit) {
+        return any_cell(outside_,
+                        {place(mesh.positions[t[0]]), place(mesh.positions[t[1]]), place(mesh.positions[t[2]])},
+                        spacing, open, visit);
+    };
     for (const mesh::Triangle& t : mesh.triangles)
-        any_part(corners(t), spacing, open, [&](const Vec3d& point) {
-            outside_.mark(point);
+        any_cell_of(t, [&](const mesh::Outside::Cell& cell) {
+            outside_.mark(cell);
             return false;
         });
     outside_.flood();
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-        if (any_part(corners(mesh.triangles[t]), spacing, open, [&](const Vec3d& p) { return outside_.reaches(p); }))
+        if (any_cell_of(mesh.triangles[t], [&](const mesh::Outside::Cell& cell) { return outside_.reaches(cell); }))
             visible_.push_back(t);
 }
 

@@ -220,9 +220,8 @@ Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::
         return ended;
     baked.errors = in_order(std::move(baked.errors));
     if (asset.hierarchy) {
-        const Result<std::vector<Shell>> shells = make_shells(baked, source, original, [&](double share) {
-            return progress(std::lerp(measured_share, shells_share, share));
-        });
+        const Result<std::vector<Shell>> shells = make_shells(
+            baked, source, [&](double share) { return progress(std::lerp(measured_share, shells_share, share)); });
         if (!shells) return shells.error();
         if (Status stored = put_shells(store, asset.id, *shells); !stored) return stored.error();
     }

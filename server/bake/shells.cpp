@@ -20,6 +20,8 @@ constexpr std::string_view magic = "LODSHEL1";
 // Shares of its progress.
 constexpr double recorded_share = 0.2;
 constexpr double chosen_share = 0.6;
+// What is hidden is far from every level: fewer samples tell as much of it.
+constexpr std::size_t whole_samples = 20'000;
 
 // A history that may serve from some count on, measured from there.
 struct Candidate {
@@ -111,7 +113,6 @@ BakedModel baked_shell(const BakedModel& scene, bool is_bare, simplify::History 
 }  // namespace
 
 Result<std::vector<Shell>> make_shells(const BakedModel& scene, const mesh::Mesh& finest,
-                                       const metric::SurfaceIndex& original,
                                        const std::function<bool(double)>& progress) {
     const Error ended = fail(ErrorCode::unavailable, "the bake was ended");
     const std::uint64_t most = finest_count(finest);
@@ -132,6 +133,7 @@ Result<std::vector<Shell>> make_shells(const BakedModel& scene, const mesh::Mesh
     for (const simplify::History& history : histories) candidates.push_back({&history, {}});
     const auto handing = [&](double share) { return progress(std::lerp(recorded_share, chosen_share, share)); };
     if (!hand_over(scene.history, candidates, seen, seen_finest, most, handing)) return ended;
+    const metric::SurfaceIndex original(finest, whole_samples);
     const auto measuring = [&](double share) { return progress(std::lerp(chosen_share, 1.0, share)); };
 
     std::vector<Shell> shells;

@@ -34,10 +34,9 @@ using Shell = BasicShell<BakedModel>;
 using ShellView = BasicShell<BakedView>;  // its history is in the bytes that it was opened from
 
 // The shells of a scene, those of fewer triangles first; none where the scene's own levels are always better. `scene`:
-// the baked scene; `finest`: its finest level, which `original` indexes. `progress`: share done; returning false
-// cancels. Errors: unavailable (cancelled), limit_exceeded (memory).
+// the baked scene; `finest`: its finest level. `progress`: share done; returning false cancels. Errors: unavailable
+// (cancelled), limit_exceeded (memory).
 Result<std::vector<Shell>> make_shells(const BakedModel& scene, const mesh::Mesh& finest,
-                                       const metric::SurfaceIndex& original,
                                        const std::function<bool(double)>& progress);
 
 // The shell that serves this budget, of some in that order; null where the scene's own levels do.

@@ -138,7 +138,7 @@ class WholeScene {
         scene_ = bake::describe_model(model);
         bake::set_history(scene_, *simplify::record_history(mesh::compact(model.mesh)));
         const mesh::Mesh finest = cut_whole(model.mesh.triangles.size());
-        shells_ = *bake::make_shells(scene_, finest, metric::SurfaceIndex(finest), [](double) { return true; });
+        shells_ = *bake::make_shells(scene_, finest, [](double) { return true; });
         baked_ = watch.elapsed();
     }
 

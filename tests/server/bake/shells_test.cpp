@@ -40,7 +40,7 @@ struct Scene {
         baked.errors = in_order(std::move(baked.errors));
     }
     mesh::Mesh cut(std::uint64_t count) const { return simplify::cut(baked.history, count); }
-    std::vector<Shell> shells() const { return *make_shells(baked, finest, metric::SurfaceIndex(finest), goes_on); }
+    std::vector<Shell> shells() const { return *make_shells(baked, finest, goes_on); }
 };
 
 TEST(Shells, SpendNoTriangleOnWhatIsHidden) {
@@ -146,8 +146,7 @@ TEST(Shells, OfFlatAndOfScatteredScenes) {
 
 TEST(Shells, AreCancelled) {
     const Scene scene(testing::spheres(4, 24));
-    const auto shells = make_shells(scene.baked, scene.finest, metric::SurfaceIndex(scene.finest),
-                                    [](double share) { return share < 0.3; });
+    const auto shells = make_shells(scene.baked, scene.finest, [](double share) { return share < 0.3; });
     ASSERT_FALSE(shells.ok());
     EXPECT_EQ(shells.error().code, ErrorCode::unavailable);
 }
