@@ -80,7 +80,11 @@ int run(int argc, char** argv) {
         "tileset", "Write a baked asset as a 3D Tiles 1.1 tileset: a scene's tiles, or the levels of a single object");
     tileset_app->add_option("--store", tileset.store, "Folder of the store")->required();
     tileset_app->add_option("--asset", tileset.asset, "The asset's name")->required();
-    tileset_app->add_option("--out", tileset.out, "Folder to write")->required();
+    tileset_app->add_option("--out", tileset.out, "Folder to write, or one archive FILE.3tz")->required();
+    tileset_app->footer(
+        "\nExamples:\n"
+        "  lodestream-server tileset --store ./store --asset ship --out ./ship-tiles\n"
+        "  lodestream-server tileset --store ./store --asset ship --out ship.3tz");
     tileset_app->callback([&] { command = [&] { return cli::tileset(tileset); }; });
 
     cli::SampleArguments sample;

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <optional>
+#include <span>
 
 #include "proto/records.h"
 #include "proto/tileset.h"
@@ -20,6 +22,7 @@
 #include "server/importer/importer.h"
 #include "server/planner/planner.h"
 #include "server/samples/samples.h"
+#include "server/store/tile_archive.h"
 
 namespace lodestream::cli {
 
@@ -251,6 +254,15 @@ Status tileset(const TilesetArguments& arguments) {
     if (!asset) return asset.error();
     Result<bake::TileTree> tiles = bake::load_tiles(*store, *asset);
     if (!tiles) return tiles.error();
+    std::optional<store::TileArchive> archive;
+    if (arguments.out.extension() == store::archive_extension) {
+        Result<store::TileArchive> created = store::TileArchive::create(arguments.out);
+        if (!created) return created.error();
+        archive = *std::move(created);
+    }
+    const auto put = [&](const std::string& name, std::span<const std::byte> bytes) {
+        return archive ? archive->add(name, bytes) : write_file(arguments.out / name, bytes);
+    };
     std::uint64_t bytes = 0;
     for (std::size_t i = 0; i < tiles->nodes.size(); ++i) {
         Result<store::StoredFile> file = store->file(tiles->hashes[i], "glb");
@@ -258,14 +270,15 @@ Status tileset(const TilesetArguments& arguments) {
         Result<std::vector<std::byte>> content = store::read_file(file->path, file->bytes);
         if (!content) return content.error();
         tiles->hashes[i] = "tile-" + std::to_string(i) + ".glb";
-        if (Status written = write_file(arguments.out / tiles->hashes[i], *content); !written) return written.error();
+        if (Status written = put(tiles->hashes[i], *content); !written) return written;
         bytes += content->size();
     }
     const std::string json = proto::to_json({tiles->nodes, tiles->hashes, tiles->bytes});
-    if (Status written = write_file(arguments.out / "tileset.json", std::as_bytes(std::span(json))); !written)
-        return written.error();
-    std::printf("%s: %zu tiles, %llu bytes\n", (arguments.out / "tileset.json").c_str(), tiles->nodes.size(),
-                static_cast<unsigned long long>(bytes));
+    if (Status written = put("tileset.json", std::as_bytes(std::span(json))); !written) return written;
+    if (archive)
+        if (Status finished = archive->finish(); !finished) return finished;
+    std::printf("%s: %zu tiles, %llu bytes\n", (archive ? arguments.out : arguments.out / "tileset.json").c_str(),
+                tiles->nodes.size(), static_cast<unsigned long long>(bytes));
     return Nothing{};
 }
 

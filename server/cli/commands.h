@@ -46,7 +46,7 @@ Status cut(const CutArguments& arguments);
 struct TilesetArguments {
     std::filesystem::path store;
     std::string asset;
-    std::filesystem::path out;
+    std::filesystem::path out;  // a folder, or one file that ends in .3tz
 };
 Status tileset(const TilesetArguments& arguments);
 
