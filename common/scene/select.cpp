@@ -9,7 +9,9 @@ namespace lodestream::scene {
 
 namespace {
 
-constexpr std::size_t max_waiting = 64;  // nodes that do not fit before the rest is taken not to fit either
+constexpr std::size_t max_waiting = 64;   // nodes that do not fit before the rest is taken not to fit either
+constexpr std::size_t packed_nodes = 64;  // around the place in the order where the budget ends; bits of a set
+constexpr std::size_t max_choices = 64;   // kept of what could be done with some of them
 
 struct Candidate {
     double error_px;
@@ -30,6 +32,33 @@ bool is_after(const Candidate& a, const Candidate& b) {
     return is_before(b, a);
 }
 
+// What refining some of the packed nodes costs and takes off the error on the screen.
+struct Choice {
+    std::int64_t gain = 0;
+    double drop_px = 0.0;
+    std::uint64_t nodes = 0;  // a bit for each
+};
+using Choices = std::vector<Choice>;  // each dearer and better than the one before
+
+// One of each list together. Of those within `limit` the ones that none is both cheaper and better than, thinned out
+// evenly where they are too many.
+Choices joined(const Choices& a, const Choices& b, std::int64_t limit) {
+    Choices all;
+    for (const Choice& x : a)
+        for (const Choice& y : b)
+            if (x.gain + y.gain <= limit) all.push_back({x.gain + y.gain, x.drop_px + y.drop_px, x.nodes | y.nodes});
+    std::sort(all.begin(), all.end(), [](const Choice& x, const Choice& y) {
+        return x.gain != y.gain ? x.gain < y.gain : x.drop_px > y.drop_px;
+    });
+    Choices best;
+    for (const Choice& choice : all)
+        if (best.empty() || choice.drop_px > best.back().drop_px) best.push_back(choice);
+    if (best.size() <= max_choices) return best;
+    Choices some;
+    for (std::size_t k = 0; k < max_choices; ++k) some.push_back(best[k * (best.size() - 1) / (max_choices - 1)]);
+    return some;
+}
+
 // A cut under way, as the nodes above it. A finer level may have fewer triangles in view, where parts of it are out of
 // sight. So that the order alone decides what is refined, wherever one starts from, such a gain counts as none at first
 // (`charged`); it is spent in the end.
@@ -46,8 +75,8 @@ class Refiner {
         descend();
         if (charged_ > budget_) coarsen();
         refine();
+        pack();
         fill();
-        exchange();
         return result();
     }
 
@@ -95,40 +124,91 @@ class Refiner {
         threshold_px_ = open_.empty() ? 0.0 : open_.front().error_px;
     }
 
-    // Smaller ones that fit. Neither they nor exchanges are part of what the next frame starts from.
-    void fill() {
-        while (may_refine() && waiting_.size() < max_waiting) {
-            if (spent_ + open_.front().gain <= budget_)
-                refine_front();
-            else
-                waiting_.push_back(pop_front());
-        }
+    // Around the place where the budget ended, the set of refinements that takes most off the error on the screen
+    // within it: a knapsack, in which a node needs its parent. Neither this nor what fill() adds is part of what the
+    // next frame starts from.
+    void pack() {
+        if (open_.empty() || refined_.size() + packed_nodes > options_.max_refinements) return;
+        reopen(packed_nodes / 2);
+        const std::vector<Candidate> items = next_in_order(packed_nodes);
+        const std::uint64_t chosen = best_set(items);
+        for (std::size_t i = 0; i < items.size(); ++i)
+            if (chosen >> i & 1) take(items[i]);
+        open_.insert(open_.end(), items.begin(), items.end());
+        std::erase_if(open_, [&](const Candidate& c) {
+            return is_refined_[c.node] || (c.node != 0 && !is_refined_[tree_[c.node].parent]);
+        });
+        std::make_heap(open_.begin(), open_.end(), is_after);
     }
 
-    // Takes back refinements of smaller errors where that makes room for one of a larger error.
-    void exchange() {
-        std::sort(refined_.begin(), refined_.end(), is_before);
-        for (const Candidate& next : waiting_) {
-            if (next.node != 0 && !is_refined_[tree_[next.node].parent]) continue;
-            const std::size_t least = refined_.size() > max_waiting ? refined_.size() - max_waiting : 0;
-            for (std::size_t k = refined_.size(); k-- > least && refined_[k].error_px < next.error_px;) {
-                const Candidate& last = refined_[k];
-                if (spent_ - last.gain + next.gain > budget_ || has_refined_child(last.node)) continue;
-                take_back(k);
-                take(next);
-                std::inplace_merge(refined_.begin(), refined_.end() - 1, refined_.end(), is_before);
-                break;
+    // Takes back the last refinements in the order, so many at most.
+    void reopen(std::size_t count) {
+        const std::size_t kept = refined_.size() - std::min(count, refined_.size());
+        std::nth_element(refined_.begin(), refined_.begin() + static_cast<std::ptrdiff_t>(kept), refined_.end(),
+                         is_before);
+        while (refined_.size() > kept) {
+            open_.push_back(refined_.back());
+            take_back(refined_.size() - 1);
+        }
+        std::erase_if(open_, [&](const Candidate& c) { return c.node != 0 && !is_refined_[tree_[c.node].parent]; });
+        std::make_heap(open_.begin(), open_.end(), is_after);
+    }
+
+    // As if each were refined; what is below them is open then.
+    std::vector<Candidate> next_in_order(std::size_t count) {
+        std::vector<Candidate> items;
+        while (items.size() < count && !open_.empty()) {
+            items.push_back(pop_front());
+            open_children(items.back().node);
+        }
+        return items;
+    }
+
+    std::uint64_t best_set(const std::vector<Candidate>& items) const {
+        const std::int64_t room = budget_ - spent_;
+        std::int64_t limit = room;
+        for (const Candidate& item : items) limit -= std::min<std::int64_t>(item.gain, 0);
+        std::vector<Choices> with_below(items.size(), Choices{{}});  // of what is below a node, and at last with it
+        Choices of_all{{}};
+        for (std::size_t i = items.size(); i-- > 0;) {
+            const Choice itself{items[i].gain, drop_px(items[i]), std::uint64_t{1} << i};
+            Choices choices = joined(with_below[i], {itself}, limit);
+            choices.insert(choices.begin(), Choice{});
+            const auto parent = std::find_if(
+                items.begin(), items.begin() + static_cast<std::ptrdiff_t>(i),
+                [&](const Candidate& c) { return items[i].node != 0 && c.node == tree_[items[i].node].parent; });
+            const bool has_parent = parent != items.begin() + static_cast<std::ptrdiff_t>(i);
+            Choices& above = has_parent ? with_below[static_cast<std::size_t>(parent - items.begin())] : of_all;
+            above = joined(above, choices, limit);
+        }
+        std::uint64_t best = 0;
+        for (const Choice& choice : of_all)
+            if (choice.gain <= room) best = choice.nodes;
+        return best;
+    }
+
+    // What refining a node takes off the sum of the cut's errors; negative where its children's sum is larger.
+    double drop_px(const Candidate& item) const {
+        double drop = item.error_px;
+        for_each_child(item.node, [&](std::uint32_t child) {
+            drop -= projection_.error_px(tree_[child].box, tree_[child].error);
+        });
+        return drop;
+    }
+
+    // Smaller ones that fit.
+    void fill() {
+        for (std::size_t waiting = 0; may_refine() && waiting < max_waiting;) {
+            if (spent_ + open_.front().gain <= budget_) {
+                refine_front();
+            } else {
+                pop_front();
+                ++waiting;
             }
         }
     }
 
     bool may_refine() const { return !open_.empty() && refined_.size() < options_.max_refinements; }
-
-    bool has_refined_child(std::uint32_t node) const {
-        bool has = false;
-        for_each_child(node, [&](std::uint32_t child) { has = has || is_refined_[child]; });
-        return has;
-    }
 
     void take(const Candidate& next) {
         refined_.push_back(next);
@@ -155,7 +235,11 @@ class Refiner {
     void refine_front() {
         const Candidate next = pop_front();
         take(next);
-        for_each_child(next.node, [&](std::uint32_t child) {
+        open_children(next.node);
+    }
+
+    void open_children(std::uint32_t node) {
+        for_each_child(node, [&](std::uint32_t child) {
             if (tree_[child].child_count == 0) return;
             const Candidate made = candidate(child);
             if (!(made.error_px > options_.tolerance_px)) return;
@@ -205,7 +289,6 @@ class Refiner {
     std::int64_t budget_;
     std::vector<std::uint8_t> is_refined_;
     std::vector<Candidate> refined_, open_;  // all nodes above the cut; those of the cut that have children
-    std::vector<Candidate> waiting_;         // those that do not fit, largest error first
     std::int64_t spent_ = 0, charged_ = 0;
     double threshold_px_ = 0.0;
 };

@@ -30,10 +30,9 @@ struct Selection {
     bool feasible = true;                // false: not even the root is within the budget; it is drawn nevertheless
 };
 
-// Nodes are refined in the order of their error on the screen. Where the next one no longer fits, smaller ones that do
-// follow, and at last refinements of smaller errors are exchanged for those of larger ones that then fit. O(nodes of
-// the cut) where `start_px` is that of a view nearby; from the root, O(n log n) in them. pre: validate(tree),
-// validate(view)
+// Nodes are refined in the order of their error on the screen. Where the next one no longer fits, the few around that
+// place are chosen so that the sum of the errors is least, and smaller ones that still fit follow. O(nodes of the cut)
+// where `start_px` is that of a view nearby; from the root, O(n log n) in them. pre: validate(tree), validate(view)
 Selection select(std::span<const LodNode> tree, const View& view, const SelectOptions& options);
 
 }  // namespace lodestream::scene
