@@ -108,8 +108,8 @@ class TerrainTest : public testing::WithRenderer {
             EXPECT_TRUE(frame) << frame.error().message;
             if (!frame) break;
             looked.holes += holes(frame->image, view, bounds);
-            looked.views_with_ground += is_sky(frame->image, width / 2, height - 1) ? 0 : 1;
-            if (i == 0) keep_picture(frame->image);
+            if (is_sky(frame->image, width / 2, height - 1)) continue;
+            if (++looked.views_with_ground == looks / 4) keep_picture(frame->image, seed);
         }
         return looked;
     }
@@ -125,11 +125,11 @@ class TerrainTest : public testing::WithRenderer {
 
   private:
     // Where LODESTREAM_PICTURES names a folder.
-    static void keep_picture(const Image& image) {
+    static void keep_picture(const Image& image, std::uint32_t seed) {
         const char* folder = std::getenv("LODESTREAM_PICTURES");
         if (!folder) return;
         const std::string name = ::testing::UnitTest::GetInstance()->current_test_info()->name();
-        EXPECT_TRUE(write_png(std::filesystem::path(folder) / ("terrain-" + name + ".png"), image));
+        EXPECT_TRUE(write_png(std::filesystem::path(folder) / (name + "-" + std::to_string(seed) + ".png"), image));
     }
 };
 
