@@ -4,7 +4,9 @@
 #include <fstream>
 #include <iterator>
 
+#include "client/device_file.h"
 #include "client/fly/pilot.h"
+#include "client/fly/plan_follower.h"
 #include "client/render/gl_context.h"
 #include "client/render/image.h"
 
@@ -55,11 +57,21 @@ auto png_writer(const std::filesystem::path& folder) {
     };
 }
 
+// Where a device is given, under a plan.
+Result<std::optional<fly::PlanFollower>> plan_of(const FlyArguments& arguments, const fly::PilotOptions& options) {
+    if (!arguments.device) return std::optional<fly::PlanFollower>();
+    auto request = read_device_file(*arguments.device);
+    if (!request) return request.error();
+    request->asset = arguments.asset;
+    auto follower =
+        fly::PlanFollower::start(arguments.server, *std::move(request), options.control.predictive.first_guess,
+                                 options.screen, options.control.target_fps);
+    if (!follower) return follower.error();
+    return std::optional<fly::PlanFollower>(*std::move(follower));
+}
+
 Result<std::vector<control::FlownFrame>> fly_scenery(render::Renderer& renderer, const fly::Scenery& scenery,
                                                      const motion::Trace& trace, fly::PilotOptions& options) {
-    const auto costs = fly::measure_costs(renderer, scenery, options.screen);
-    if (!costs) return costs.error();
-    options.control.predictive.first_guess = *costs;
     auto frames = fly::fly(renderer, scenery, trace, options);
     if (frames || frames.error().code != ErrorCode::unsupported || !options.control.blur.enabled) return frames;
     std::fprintf(stderr, "lodestream-client: no motion blur: %s\n", frames.error().message.c_str());
@@ -74,6 +86,14 @@ void print_line(const FlyArguments& arguments, const control::FlightSummary& flo
         arguments.asset.c_str(), arguments.controller.c_str(), flown.frames, flown.average_fps, flown.worst_fps,
         flown.deviation_fps, 100.0 * flown.within_deadline, 1000.0 / arguments.target_fps, flown.switches,
         flown.mean_error_px, arguments.out.string().c_str());
+}
+
+void print_plans(const fly::PlanSummary& plans) {
+    std::printf("plans asked for: %u, at first %llu triangles, at last %llu (%s)\n", plans.plans,
+                static_cast<unsigned long long>(plans.first_triangles),
+                static_cast<unsigned long long>(plans.last_triangles), plans.limited_by.c_str());
+    if (plans.failures > 0)
+        std::fprintf(stderr, "lodestream-client: %u plans failed: %s\n", plans.failures, plans.last_failure.c_str());
 }
 
 }  // namespace
@@ -113,10 +133,18 @@ Status fly(const FlyArguments& arguments) {
         if (auto made = make_folder(*arguments.frames); !made) return made;
         options.on_frame = png_writer(*arguments.frames);
     }
+    const auto costs = fly::measure_costs(*renderer, *scenery, options.screen);
+    if (!costs) return costs.error();
+    options.control.predictive.first_guess = *costs;
+    auto plan = plan_of(arguments, options);
+    if (!plan) return plan.error();
+    if (*plan)
+        options.budget = [&](const std::optional<control::DrawnFrame>& before) { return (*plan)->budget(before); };
     const auto frames = fly_scenery(*renderer, *scenery, *trace, options);
     if (!frames) return frames.error();
     if (auto written = write_text(arguments.out, to_csv(*frames)); !written) return written;
     print_line(arguments, control::summarize(*frames, options.control));
+    if (*plan) print_plans((*plan)->finish());
     return Nothing{};
 }
 

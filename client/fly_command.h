@@ -24,6 +24,8 @@ struct FlyArguments {
     std::uint32_t height = 600;                   // px
     double fov_y_deg = 45.0;
     bool blur = true;
+    std::optional<std::filesystem::path>
+        device;  // a device file: a plan bounds the levels and follows what frames take
 };
 
 // t_s,frame_ms,level,triangles,speed_deg_s,error_px,switched

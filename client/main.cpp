@@ -94,6 +94,9 @@ int run(int argc, char** argv) {
         ->capture_default_str()
         ->check(CLI::Range(control::min_target_fps, control::max_target_fps));
     fly_app->add_option("--out", fly.out, "The flight, FILE.csv")->required();
+    fly_app->add_option("--device", fly.device,
+                        "Device file: a plan bounds the levels of `predictive`, asked for anew where the frames' times "
+                        "say that the device has become faster or slower");
     fly_app->add_option("--frames", fly.frames, "Folder for a PNG of every frame");
     fly_app->add_option("--width", fly.width, "px")->capture_default_str()->check(sides);
     fly_app->add_option("--height", fly.height, "px")->capture_default_str()->check(sides);

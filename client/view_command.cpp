@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <string>
 
+#include "client/device_file.h"
 #include "client/render/gl_context.h"
 #include "client/render/renderer.h"
 #include "client/sdk/client.h"
@@ -14,7 +13,6 @@
 namespace lodestream::client {
 namespace {
 
-constexpr std::uintmax_t max_device_file_bytes = 1u << 20;
 constexpr std::uint32_t timed_frames = 5;
 
 struct Drawn {
@@ -22,20 +20,6 @@ struct Drawn {
     render::UploadStatistics uploaded;
     std::string renderer;
 };
-
-Result<proto::PlanRequest> read_device(const std::filesystem::path& path) {
-    std::error_code error;
-    const auto size = std::filesystem::file_size(path, error);
-    if (error) return fail(ErrorCode::io, path.string() + ": " + error.message());
-    if (size > max_device_file_bytes)
-        return fail(ErrorCode::limit_exceeded, path.string() + ": too large for a device file");
-    std::ifstream file(path, std::ios::binary);
-    const std::string json((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    if (file.bad()) return fail(ErrorCode::io, path.string() + ": cannot be read");
-    auto request = proto::parse_device_file(json);
-    if (!request) return fail(request.error().code, path.string() + ": " + request.error().message);
-    return request;
-}
 
 // framing_view() fits the height; a picture that is taller than wide needs the eye farther away.
 shading::View fit(const Box& bounds, const budget::Display& display) {
@@ -58,7 +42,7 @@ Result<proto::Asset> find_asset(sdk::Client& client, const std::string& id_or_na
 }
 
 Result<proto::PlanRequest> make_request(sdk::Client& client, const ViewArguments& arguments) {
-    auto request = read_device(arguments.device);
+    auto request = read_device_file(arguments.device);
     if (!request) return request;
     const auto shading = proto::parse_shading_mode(arguments.shading);
     if (!shading) return shading.error();

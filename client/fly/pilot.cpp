@@ -139,7 +139,7 @@ Result<std::vector<control::FlownFrame>> fly(render::Renderer& renderer, const S
     const std::vector<control::Level> ladder =
         ladder_of(scenery, default_view(scenery, options.screen.fov_y_deg), display_of(options.screen));
     control::Flight flight{options.kind, ladder, options.control,
-                           static_cast<double>(options.screen.width) * options.screen.height};
+                           static_cast<double>(options.screen.width) * options.screen.height, options.budget};
     Pilot pilot(renderer, scenery, options);
     return control::fly(flight, trace, [&](const control::FrameRequest& request) { return pilot.draw_frame(request); });
 }

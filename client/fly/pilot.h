@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "client/fly/scenery.h"
@@ -30,6 +31,7 @@ struct PilotOptions {
     Screen screen;
     // Called with every frame, outside its time; a failure ends the flight. Empty: none.
     std::function<Status(const render::Image&, const control::FrameRequest&)> on_frame;
+    std::function<double(const std::optional<control::DrawnFrame>&)> budget{};  // of control::Flight
 };
 
 // What the renderer needs for this scenery on this screen: a few frames and uploads each of the finest and coarsest

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/control/budget_loop.h"
 #include "common/control/control.h"
 #include "common/motion/motion.h"
 
@@ -36,6 +38,8 @@ struct Flight {
     std::span<const Level> ladder;
     Options options;
     double pixels = 0.0;  // of a frame
+    // Triangles that the coming frame may have, as a plan says; is told the frame before. Empty: no plan.
+    std::function<double(const std::optional<DrawnFrame>&)> budget{};
 };
 
 struct FlownFrame {

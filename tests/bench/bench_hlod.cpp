@@ -7,6 +7,7 @@
 #include <iostream>
 #include <optional>
 
+#include "common/base/random.h"
 #include "common/mesh/operations.h"
 #include "common/metric/surface_distance.h"
 #include "common/scene/select.h"
@@ -32,10 +33,14 @@ struct Arguments {
     std::vector<std::uint64_t> budgets{1'920, 7'680, 30'000};
     std::string picture_folder;
     std::vector<std::uint64_t> growth;
+    std::vector<double> tolerances_px;
+    std::size_t views = 500;
 };
 
 constexpr std::string_view sample_prefix = "sample:";
-constexpr double target_ratio = 0.5;  // of the image error to a peer's
+constexpr double target_ratio = 0.5;            // of the image error to a peer's
+constexpr double target_within_percent = 99.0;  // of the pixels, in image-quality mode
+constexpr int alike_steps = 26;                 // a tenth of white, in each channel
 
 mesh::Model load(const std::string& scene) {
     Result<mesh::Model> model = scene.starts_with(sample_prefix)
@@ -109,10 +114,8 @@ class Hierarchy {
     const bake::TileTree& tree() const { return tree_; }
     Duration baked() const { return baked_; }
 
-    // What target-frame-rate mode draws of it in this view, and its bytes.
-    mesh::Model cut(const scene::View& view, std::uint64_t budget, std::uint64_t& bytes) const {
-        scene::SelectOptions options;
-        options.budget = budget;
+    // What the modes draw of it in this view, and its bytes.
+    mesh::Model cut(const scene::View& view, const scene::SelectOptions& options, std::uint64_t& bytes) const {
         mesh::Model drawn;
         bytes = 0;
         for (const std::uint32_t tile : scene::select(tree_.nodes, view, options).nodes) {
@@ -249,6 +252,12 @@ scene::View view_of(const shading::View& from) {
     return view;
 }
 
+scene::SelectOptions within_budget(std::uint64_t triangles) {
+    scene::SelectOptions options;
+    options.budget = triangles;
+    return options;
+}
+
 void compare(const Arguments& arguments) {
     const mesh::Model model = load(arguments.scene);
     const std::uint64_t triangles = model.mesh.triangles.size();
@@ -270,7 +279,7 @@ void compare(const Arguments& arguments) {
         const auto view = view_of(views_from_26(model).front());
         std::uint64_t bytes = 0;
         const std::vector<std::pair<std::string, mesh::Model>> levels{
-            {"hierarchical", hierarchy.cut(view, budget, bytes)},
+            {"hierarchical", hierarchy.cut(view, within_budget(budget), bytes)},
             {"plan's level", whole.cut(budget)},
             {"one mesh", with_materials_of(model, whole.cut_whole(budget))},
             {"object-wise", with_materials_of(model, object_wise.cut(budget))},
@@ -288,6 +297,95 @@ void compare(const Arguments& arguments) {
             gallery.write(fs::path(arguments.picture_folder) / ("hlod-" + std::to_string(budget) + ".png"));
     }
     std::printf("%s(target: at most %.1f of either)\n", to_text(rows).c_str(), target_ratio);
+}
+
+// From anywhere outside of the sphere around the model, near and far, at any place of it.
+std::vector<shading::View> random_views(const mesh::Model& model, std::size_t count) {
+    Random random(5);
+    const Box box = mesh::bounds(model.mesh);
+    const auto any = [&] { return Vec3d{random.uniform(), random.uniform(), random.uniform()}; };
+    std::vector<shading::View> views;
+    while (views.size() < count) {
+        const Vec3d direction = any() - 0.5;
+        if (length(direction) > 0.5 || length(direction) < 0.01) continue;
+        shading::View view;
+        view.target = model.origin + box.min + box.extent() * any();
+        view.eye = model.origin + box.center() + normalize(direction) * box.radius() * random.log_uniform(1.0, 8.0);
+        view.light = normalize(direction) + Vec3d{0, 0.4, 0};
+        views.push_back(view);
+    }
+    return views;
+}
+
+// Pixels of `a` of which some one of `b` within so many pixels is alike, of those that either covers.
+struct Within {
+    std::uint64_t covered = 0, silhouette = 0, color = 0;
+
+    void add(const render::Image& a, const render::Image& b, int radius_px) {
+        const int width = static_cast<int>(a.width), height = static_cast<int>(a.height);
+        const auto pixel = [&](const render::Image& image, int x, int y) {
+            return &image.rgba[4 * (static_cast<std::size_t>(y) * image.width + static_cast<std::size_t>(x))];
+        };
+        const auto is_background = [](const std::uint8_t* p) { return p[0] == 255 && p[1] == 255 && p[2] == 255; };
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                const std::uint8_t* here = pixel(a, x, y);
+                if (is_background(here) && is_background(pixel(b, x, y))) continue;
+                ++covered;
+                bool same_side = false, alike = false;
+                for (int r = 0; r <= radius_px && !alike; ++r)
+                    for (int dy = -r; dy <= r && !alike; ++dy)
+                        for (int dx = -r; dx <= r && !alike; dx += std::abs(dy) == r || r == 0 ? 1 : 2 * r) {
+                            if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= height) continue;
+                            const std::uint8_t* there = pixel(b, x + dx, y + dy);
+                            same_side = same_side || is_background(here) == is_background(there);
+                            alike = std::abs(here[0] - there[0]) <= alike_steps &&
+                                    std::abs(here[1] - there[1]) <= alike_steps &&
+                                    std::abs(here[2] - there[2]) <= alike_steps;
+                        }
+                silhouette += same_side || alike ? 1 : 0;
+                color += alike ? 1 : 0;
+            }
+    }
+};
+
+// Image-quality mode: how many pixels are right within the tolerance.
+void judge_quality(const Arguments& arguments) {
+    const mesh::Model model = load(arguments.scene);
+    const Hierarchy hierarchy(model);
+    Result<Painter> painter = Painter::create();
+    if (!painter) throw std::runtime_error(painter.error().message);
+    const std::vector<shading::View> views = random_views(model, arguments.views);
+    const std::vector<render::Image> full = painter->draw(model, model.mesh, views);
+    std::vector<TableRow> rows{{"tolerance px", "triangles", "outline within %", "colour within %", "worst view"}};
+    for (const double tolerance : arguments.tolerances_px) {
+        Within all;
+        double triangles = 0.0, worst = 100.0;
+        for (std::size_t i = 0; i < views.size(); ++i) {
+            scene::SelectOptions options;
+            options.tolerance_px = tolerance;
+            std::uint64_t bytes = 0;
+            const mesh::Model cut = hierarchy.cut(view_of(views[i]), options, bytes);
+            const render::Image shown = painter->draw(cut, cut.mesh, {views[i]}).front();
+            Within one;
+            const int radius_px = static_cast<int>(std::ceil(tolerance));
+            one.add(full[i], shown, radius_px);
+            one.add(shown, full[i], radius_px);
+            if (one.covered > 0)
+                worst = std::min(worst, 100.0 * static_cast<double>(one.color) / static_cast<double>(one.covered));
+            triangles += static_cast<double>(cut.mesh.triangles.size()) / static_cast<double>(views.size());
+            all.covered += one.covered;
+            all.silhouette += one.silhouette;
+            all.color += one.color;
+        }
+        const auto covered = static_cast<double>(std::max<std::uint64_t>(1, all.covered));
+        rows.push_back({brief(tolerance), brief(triangles),
+                        fixed(100.0 * static_cast<double>(all.silhouette) / covered, 2),
+                        fixed(100.0 * static_cast<double>(all.color) / covered, 2), fixed(worst, 2)});
+    }
+    std::printf(
+        "%s: %zu views, pixels of either picture that the other has within the tolerance\n%s(target: %.0f %%)\n",
+        arguments.scene.c_str(), views.size(), to_text(rows).c_str(), target_within_percent);
 }
 
 // Ships of more and more objects.
@@ -316,13 +414,18 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     app.add_option("--budgets", arguments.budgets, "triangles")->capture_default_str();
     app.add_option("--pictures", arguments.picture_folder, "where to write full scene, ours, object-wise, equal ratio");
+    app.add_option("--quality", arguments.tolerances_px,
+                   "instead: pixels within these tolerances of image-quality mode, px");
+    app.add_option("--views", arguments.views, "of --quality")->capture_default_str();
     app.add_option("--growth", arguments.growth, "instead: bake ships of so many objects");
     CLI11_PARSE(app, argc, argv);
     try {
-        if (arguments.growth.empty())
-            lodestream::bench::compare(arguments);
-        else
+        if (!arguments.growth.empty())
             lodestream::bench::grow(arguments.growth);
+        else if (!arguments.tolerances_px.empty())
+            lodestream::bench::judge_quality(arguments);
+        else
+            lodestream::bench::compare(arguments);
         return 0;
     } catch (const std::exception& error) {
         std::cerr << "lodestream_bench_hlod: " << error.what() << std::endl;

@@ -80,6 +80,25 @@ TEST(FlyProgram, WritesARowAndAPictureAFrame) {
     EXPECT_EQ(static_cast<std::size_t>(pictures), lines.size() - 1);
 }
 
+TEST(FlyProgram, KeepsToAPlanWhereADeviceIsGiven) {
+    const testing::TemporaryFolder folder;
+    const testing::ServerProgram server(LODESTREAM_SERVER, baked_teapot(folder));
+    const fs::path device = folder.path() / "device.json", out = folder.path() / "flight.csv";
+    std::ofstream(device) << R"({"device":{"cpu_mhz":70},"preference":{"triangles":200}})";
+    const std::string common = LODESTREAM_CLIENT " fly --server " + server.url +
+                               " --asset teapot --motion builtin:nod --width 320 --height 240 --out " + out.string();
+    const Ended flown = run(common + " --device " + device.string());
+    ASSERT_EQ(flown.code, 0) << flown.output;
+    EXPECT_THAT(flown.output, HasSubstr("at first 200 triangles, at last 200 (user)"));
+    const std::vector<std::string> lines = lines_of(out);
+    for (std::size_t i = 1; i < lines.size(); ++i) EXPECT_LE(numbers_of(lines[i])[3], 200.0) << lines[i];
+
+    std::ofstream(device) << R"({"device":{"cpu_mhz":-1}})";
+    const Ended refused = run(common + " --device " + device.string());
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_THAT(refused.output, HasSubstr("device.json: device.cpu_mhz"));
+}
+
 TEST(FlyProgram, SaysWhatIsWrongInOneLine) {
     const testing::TemporaryFolder folder;
     const testing::ServerProgram server(LODESTREAM_SERVER, baked_teapot(folder));

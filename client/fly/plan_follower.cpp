@@ -1,0 +1,72 @@
+#include "client/fly/plan_follower.h"
+
+#include <chrono>
+#include <limits>
+#include <utility>
+
+namespace lodestream::fly {
+
+Result<PlanFollower> PlanFollower::start(const std::string& server, proto::PlanRequest request,
+                                         const control::FrameCosts& costs, const Screen& screen, double target_fps) {
+    Result<sdk::Client> client = sdk::Client::open(server);
+    if (!client) return client.error();
+    PlanFollower follower;
+    follower.client_ = std::make_shared<sdk::Client>(*std::move(client));
+    follower.request_ = std::move(request);
+    follower.costs_ = costs;
+    follower.screen_ = screen;
+    follower.target_fps_ = target_fps;
+    control::DrawnFrame none;
+    none.work.pixels = static_cast<double>(screen.width) * screen.height;
+    none.frame_ms = std::numeric_limits<double>::quiet_NaN();
+    follower.ask(*follower.follow(none));
+    follower.asked_.wait();
+    follower.receive();
+    if (follower.summary_.plans == 0) return fail(ErrorCode::unavailable, follower.summary_.last_failure);
+    return follower;
+}
+
+std::optional<control::PlanBasis> PlanFollower::follow(control::DrawnFrame frame) {
+    frame.width = screen_.width;
+    frame.height = screen_.height;
+    control::BudgetLoopStep step = control::follow(std::move(loop_), frame, costs_, 1000.0 / target_fps_);
+    loop_ = std::move(step.state);
+    return step.wish;
+}
+
+double PlanFollower::budget(const std::optional<control::DrawnFrame>& before) {
+    if (before)
+        if (const auto wish = follow(*before)) wish_ = wish;
+    if (asked_.valid() && asked_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) receive();
+    if (wish_ && !asked_.valid()) ask(*std::exchange(wish_, std::nullopt));
+    return static_cast<double>(summary_.last_triangles);
+}
+
+void PlanFollower::ask(const control::PlanBasis& basis) {
+    request_.budget.device.triangles_per_second = basis.triangles_per_second;
+    request_.budget.display = budget::Display{basis.width, basis.height};
+    request_.budget.preference.target_fps = target_fps_;
+    asked_ = std::async(std::launch::async, [client = client_, request = request_] { return client->plan(request); });
+}
+
+void PlanFollower::receive() {
+    const Result<proto::PlanResponse> plan = asked_.get();
+    if (!plan) {
+        ++summary_.failures;
+        summary_.last_failure = plan.error().message;
+        return;
+    }
+    if (summary_.plans++ == 0) summary_.first_triangles = plan->budget.triangles;
+    summary_.last_triangles = plan->budget.triangles;
+    summary_.limited_by = plan->budget.limited_by;
+}
+
+PlanSummary PlanFollower::finish() {
+    if (asked_.valid()) {
+        asked_.wait();
+        receive();
+    }
+    return summary_;
+}
+
+}  // namespace lodestream::fly
