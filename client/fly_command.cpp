@@ -2,9 +2,8 @@
 
 #include <cstdio>
 #include <fstream>
-#include <iterator>
 
-#include "client/device_file.h"
+#include "client/files.h"
 #include "client/fly/pilot.h"
 #include "client/fly/plan_follower.h"
 #include "client/render/gl_context.h"
@@ -22,14 +21,9 @@ Result<motion::Trace> read_motion(const std::string& motion) {
         if (!kind) return kind.error();
         return motion::built_in({*kind});
     }
-    std::error_code error;
-    const auto size = std::filesystem::file_size(motion, error);
-    if (error) return fail(ErrorCode::io, motion + ": " + error.message());
-    if (size > max_motion_bytes) return fail(ErrorCode::limit_exceeded, motion + ": too large for a motion");
-    std::ifstream file(motion, std::ios::binary);
-    const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    if (file.bad()) return fail(ErrorCode::io, motion + ": cannot be read");
-    auto trace = motion::parse_csv(text);
+    const auto text = read_text(motion, max_motion_bytes, "a motion");
+    if (!text) return text.error();
+    auto trace = motion::parse_csv(*text);
     if (!trace) return fail(trace.error().code, motion + ": " + trace.error().message);
     return trace;
 }

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "client/device_file.h"
+#include "client/files.h"
 #include "client/render/gl_context.h"
 #include "client/render/renderer.h"
 #include "client/sdk/client.h"

@@ -19,10 +19,11 @@ Result<PlanFollower> PlanFollower::start(const std::string& server, proto::PlanR
     control::DrawnFrame none;
     none.work.pixels = static_cast<double>(screen.width) * screen.height;
     none.frame_ms = std::numeric_limits<double>::quiet_NaN();
-    follower.ask(*follower.follow(none));
-    follower.asked_.wait();
-    follower.receive();
-    if (follower.summary_.plans == 0) return fail(ErrorCode::unavailable, follower.summary_.last_failure);
+    follower.set_basis(*follower.follow(none));
+    const Result<proto::PlanResponse> plan = follower.client_->plan(follower.request_);
+    if (!plan) return plan.error();
+    follower.take(*plan);
+    follower.summary_.first_triangles = plan->budget.triangles;
     return follower;
 }
 
@@ -38,34 +39,35 @@ double PlanFollower::budget(const std::optional<control::DrawnFrame>& before) {
     if (before)
         if (const auto wish = follow(*before)) wish_ = wish;
     if (asked_.valid() && asked_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) receive();
-    if (wish_ && !asked_.valid()) ask(*std::exchange(wish_, std::nullopt));
+    if (wish_ && !asked_.valid()) {
+        set_basis(*std::exchange(wish_, std::nullopt));
+        asked_ =
+            std::async(std::launch::async, [client = client_, request = request_] { return client->plan(request); });
+    }
     return static_cast<double>(summary_.last_triangles);
 }
 
-void PlanFollower::ask(const control::PlanBasis& basis) {
+void PlanFollower::set_basis(const control::PlanBasis& basis) {
     request_.budget.device.triangles_per_second = basis.triangles_per_second;
     request_.budget.display = budget::Display{basis.width, basis.height};
     request_.budget.preference.target_fps = target_fps_;
-    asked_ = std::async(std::launch::async, [client = client_, request = request_] { return client->plan(request); });
 }
 
 void PlanFollower::receive() {
     const Result<proto::PlanResponse> plan = asked_.get();
-    if (!plan) {
-        ++summary_.failures;
-        summary_.last_failure = plan.error().message;
-        return;
-    }
-    if (summary_.plans++ == 0) summary_.first_triangles = plan->budget.triangles;
-    summary_.last_triangles = plan->budget.triangles;
-    summary_.limited_by = plan->budget.limited_by;
+    if (plan) return take(*plan);
+    ++summary_.failures;
+    summary_.last_failure = plan.error().message;
+}
+
+void PlanFollower::take(const proto::PlanResponse& plan) {
+    ++summary_.plans;
+    summary_.last_triangles = plan.budget.triangles;
+    summary_.limited_by = plan.budget.limited_by;
 }
 
 PlanSummary PlanFollower::finish() {
-    if (asked_.valid()) {
-        asked_.wait();
-        receive();
-    }
+    if (asked_.valid()) receive();
     return summary_;
 }
 

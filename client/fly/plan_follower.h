@@ -40,8 +40,9 @@ class PlanFollower {
 
   private:
     PlanFollower() = default;
-    void ask(const control::PlanBasis& basis);
+    void set_basis(const control::PlanBasis& basis);
     void receive();
+    void take(const proto::PlanResponse& plan);
     std::optional<control::PlanBasis> follow(control::DrawnFrame frame);
 
     std::shared_ptr<sdk::Client> client_;  // in use by `asked_` while that is valid

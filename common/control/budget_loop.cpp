@@ -10,10 +10,9 @@ namespace lodestream::control {
 
 namespace {
 
-constexpr double deadline_share = 0.9;  // as `predictive` takes a finer level
-constexpr double least_share = 0.02;    // of the deadline, left to triangles however dear the pixels are
+constexpr double deadline_share = PredictiveOptions{}.refine_share;
+constexpr double least_share = 0.02;  // of the deadline, left to triangles however dear the pixels are
 constexpr double million = 1e6;
-constexpr double long_ago_s = 1e6;
 
 bool is_off(const PlanBasis& planned, const PlanBasis& now) {
     const double ratio = now.triangles_per_second / planned.triangles_per_second;
@@ -40,11 +39,10 @@ BudgetLoopStep follow(BudgetLoopState state, const DrawnFrame& frame, const Fram
     state.model = learn(std::move(state.model), frame.work, frame.frame_ms);
     const bool is_time = std::isfinite(frame.interval_s) && frame.interval_s > 0.0;
     const double interval_s = is_time ? std::min(frame.interval_s, max_interval_s) : 0.0;
-    state.since_plan_s = std::min(state.since_plan_s + interval_s, long_ago_s);
+    state.since_plan_s += interval_s;
 
     const PlanBasis now{triangles_per_second(state.model, frame.work.pixels, deadline_ms), frame.width, frame.height};
-    state.off_for_s =
-        !is_first && is_off(state.planned, now) ? std::min(state.off_for_s + interval_s, long_ago_s) : 0.0;
+    state.off_for_s = !is_first && is_off(state.planned, now) ? state.off_for_s + interval_s : 0.0;
     const bool is_due = is_first || (state.off_for_s >= settle_s && state.since_plan_s >= replan_interval_s);
     if (!is_due) return {std::move(state), std::nullopt};
     state.planned = now;

@@ -89,6 +89,13 @@ double deadline_ms(const Options& options) {
     return 1000.0 / std::clamp(options.target_fps, min_target_fps, max_target_fps);
 }
 
+Work work_of(std::span<const Level> ladder, std::uint32_t level, std::uint32_t exposures, bool switched,
+             const Measurement& now) {
+    const auto triangles = static_cast<double>(ladder[level].triangles);
+    return {
+        level, triangles, static_cast<double>(exposures), now.pixels, switched ? triangles : 0.0, now.background_load};
+}
+
 Status check(std::span<const Level> ladder, const Options& options) {
     if (auto sound = check_ladder(ladder); !sound) return sound;
     std::optional<std::string> wrong;

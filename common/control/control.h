@@ -108,6 +108,10 @@ struct Step {
     Decision decision;
 };
 
+// What drawing a level takes; `switched`: it has to be uploaded. pre: level < ladder.size()
+Work work_of(std::span<const Level> ladder, std::uint32_t level, std::uint32_t exposures, bool switched,
+             const Measurement& now);
+
 // Errors: invalid_input (ladder empty, too long, or not ordered; an option not finite or out of its range).
 Status check(std::span<const Level> ladder, const Options& options);
 

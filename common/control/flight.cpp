@@ -15,19 +15,6 @@ std::vector<motion::Pose> poses_of(const motion::Trace& trace, double t_s, doubl
     return poses;
 }
 
-DrawnFrame drawn_frame(const Flight& flight, const Decision& decision, const Measurement& now, double frame_ms) {
-    const auto triangles = static_cast<double>(flight.ladder[decision.level].triangles);
-    DrawnFrame frame;
-    frame.work = {decision.level,
-                  triangles,
-                  static_cast<double>(decision.exposures),
-                  flight.pixels,
-                  decision.switched ? triangles : 0.0,
-                  now.background_load};
-    frame.frame_ms = frame_ms;
-    return frame;
-}
-
 double median(std::vector<double> values) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
@@ -61,11 +48,11 @@ Result<std::vector<FlownFrame>> fly(const Flight& flight, const motion::Trace& t
         frames.push_back({t_s, drawn->frame_ms, decision.level, flight.ladder[decision.level].triangles,
                           now.speed_deg_s, drawn->error_px, decision.switched, decision.exposures,
                           decision.predicted_ms});
-        before = drawn_frame(flight, decision, now, drawn->frame_ms);
+        const Work work = work_of(flight.ladder, decision.level, decision.exposures, decision.switched, now);
         now.frame_ms = drawn->frame_ms;
         now.background_load = drawn->background_load;
         now.interval_s = std::max(drawn->frame_ms, deadline) / 1000.0;
-        before->interval_s = now.interval_s;
+        before = DrawnFrame{work, drawn->frame_ms, now.interval_s};
         t_s += now.interval_s;
     }
     return frames;

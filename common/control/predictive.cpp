@@ -26,13 +26,7 @@ struct Question {
 };
 
 Work work_of(const Question& q, std::uint32_t level, std::uint32_t exposures, bool switched) {
-    const auto triangles = static_cast<double>(q.ladder[level].triangles);
-    return {level,
-            triangles,
-            static_cast<double>(exposures),
-            q.now.pixels,
-            switched ? triangles : 0.0,
-            q.now.background_load};
+    return control::work_of(q.ladder, level, exposures, switched, q.now);
 }
 
 double need_ms(const Question& q, std::uint32_t level, std::uint32_t exposures, bool switched) {

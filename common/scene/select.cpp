@@ -114,7 +114,7 @@ class Refiner {
             open_.push_back(refined_.back());
             take_back(refined_.size() - 1);
         }
-        std::erase_if(open_, [&](const Candidate& c) { return c.node != 0 && !is_refined_[tree_[c.node].parent]; });
+        close_orphans();
     }
 
     // Largest error first, until the next one does not fit: what is refined now depends on no threshold.
@@ -132,13 +132,19 @@ class Refiner {
         reopen(packed_nodes / 2);
         const std::vector<Candidate> items = next_in_order(packed_nodes);
         const std::uint64_t chosen = best_set(items);
-        for (std::size_t i = 0; i < items.size(); ++i)
-            if (chosen >> i & 1) take(items[i]);
-        open_.insert(open_.end(), items.begin(), items.end());
-        std::erase_if(open_, [&](const Candidate& c) {
-            return is_refined_[c.node] || (c.node != 0 && !is_refined_[tree_[c.node].parent]);
-        });
+        for (std::size_t i = 0; i < items.size(); ++i) {
+            if (chosen >> i & 1)
+                take(items[i]);
+            else
+                open_.push_back(items[i]);
+        }
+        close_orphans();
         std::make_heap(open_.begin(), open_.end(), is_after);
+    }
+
+    // What is below a node that is refined no longer is not open.
+    void close_orphans() {
+        std::erase_if(open_, [&](const Candidate& c) { return c.node != 0 && !is_refined_[tree_[c.node].parent]; });
     }
 
     // Takes back the last refinements in the order, so many at most.
@@ -150,7 +156,7 @@ class Refiner {
             open_.push_back(refined_.back());
             take_back(refined_.size() - 1);
         }
-        std::erase_if(open_, [&](const Candidate& c) { return c.node != 0 && !is_refined_[tree_[c.node].parent]; });
+        close_orphans();
         std::make_heap(open_.begin(), open_.end(), is_after);
     }
 
