@@ -8,6 +8,7 @@
 #include "common/simplify/assemble.h"
 #include "common/simplify/components.h"
 #include "common/simplify/history.h"
+#include "common/simplify/regions.h"
 #include "common/simplify/surface.h"
 #include "common/simplify/worker.h"
 
@@ -15,15 +16,18 @@ namespace lodestream::simplify {
 
 namespace {
 
-constexpr std::size_t region_faces = 1u << 15;  // smaller regions have much border, larger ones leave the caches
-constexpr std::size_t min_divided_faces = 1u << 14;
-constexpr std::size_t max_regions = 1024;
+constexpr std::size_t region_faces = 1u << 13;  // smaller regions have much border, larger ones leave the caches
+constexpr std::size_t min_divided_faces = 1u << 13;
 constexpr double region_share = 0.4;    // of a region's triangles that are left when it is done at the latest
 constexpr double max_share_left = 0.9;  // after a round; else regions are of no use to this surface
 // A round makes no merge that costs more than this share of the edges now, so that regions stay alike and their
 // borders, which lie inside the next round's regions, do not fall far behind.
-constexpr double merged_quantile = 0.75;
+constexpr double merged_quantile = 0.8;
 constexpr std::size_t sampled_positions = 64;  // one of so many is asked for that cost
+
+// Of costs, as Worker takes it: what is left as a whole is coarse, each merge shows.
+constexpr float region_slack = 1.5f;
+constexpr float whole_slack = 1.0f;
 
 constexpr double retry_share = 0.9;  // refused merges are tried again when this share of the triangles is left
 constexpr std::size_t merges_per_report = 8192;
@@ -75,7 +79,7 @@ class Recorder {
     std::vector<std::uint32_t> live_positions() const;
     bool simplify_regions(std::size_t round);
     float usual_cost(std::span<const std::uint32_t> positions);
-    void simplify_region(std::span<const std::uint32_t> positions, float limit, Log& log);
+    void simplify_region(const Regions& regions, std::size_t region, float limit, Log& log);
 
     void simplify_whole();
     void drop_part(Components& parts, std::uint32_t part, std::uint32_t keep, double cost);
@@ -111,46 +115,37 @@ float Recorder::usual_cost(std::span<const std::uint32_t> positions) {
     return *middle;  // there is one: the surface has live positions
 }
 
-// Positions are numbered along a curve through space, so a run of them is a region. Every other round the regions lie
-// half a region further: what was at a border comes inside. Returns false where the surface is too small for that.
+// Returns false where the surface is too small for that.
 bool Recorder::simplify_regions(std::size_t round) {
     const std::vector<std::uint32_t> positions = live_positions();
     const std::size_t faces = 2 * positions.size();
     if (faces < min_divided_faces || static_cast<double>(faces) > max_share_left * static_cast<double>(last_faces_))
         return false;
     last_faces_ = faces;
-    // An even number: two cores then end together.
-    const std::size_t regions = std::clamp<std::size_t>((faces / region_faces + 1) / 2 * 2, 2, max_regions);
     surface_.allow_all();
     const float limit = usual_cost(positions);
-    std::vector<std::size_t> ends;
-    for (std::size_t r = 1; r <= regions; ++r) ends.push_back(positions.size() * (2 * r - round % 2) / (2 * regions));
-    if (ends.back() < positions.size()) ends.push_back(positions.size());
-
+    // An even number: two cores then end together.
+    const std::size_t count = std::clamp<std::size_t>((faces / region_faces + 1) / 2 * 2, 2, max_regions);
+    const Regions regions = divide(positions, surface_.places(), count, round, options_.executor);
     const std::size_t first_log = logs_.size();
-    logs_.resize(first_log + ends.size());
-    const auto task = [&](std::size_t r) {
-        const std::size_t begin = r == 0 ? 0 : ends[r - 1];
-        simplify_region(std::span(positions).subspan(begin, ends[r] - begin), limit, logs_[first_log + r]);
-    };
-    lodestream::simplify::run(options_.executor, ends.size(), task);
+    logs_.resize(first_log + count);
+    lodestream::simplify::run(options_.executor, count,
+                              [&](std::size_t r) { simplify_region(regions, r, limit, logs_[first_log + r]); });
     return true;
 }
 
-// `positions`: by rising number. Those with a neighbour elsewhere stay as they are.
-void Recorder::simplify_region(std::span<const std::uint32_t> positions, float limit, Log& log) {
+// Positions with a neighbour elsewhere stay as they are.
+void Recorder::simplify_region(const Regions& regions, std::size_t region, float limit, Log& log) {
     const SheetMesh& sheets = surface_.sheets();
     std::vector<std::uint32_t> inside;
-    for (const std::uint32_t p : positions) {
+    for (const std::uint32_t p : regions.in(region)) {
         bool inner = sheets.has_one_sheet(p);
-        sheets.for_each_outgoing(p, [&](HalfedgeHandle h) {
-            const std::uint32_t q = sheets.to(h);
-            inner = inner && q >= positions.front() && q <= positions.back();
-        });
+        sheets.for_each_outgoing(
+            p, [&](HalfedgeHandle h) { inner = inner && regions.of[sheets.to(h)] == regions.of[p]; });
         in_region_[p] = inner;
         if (inner) inside.push_back(p);
     }
-    Worker worker(surface_, log);
+    Worker worker(surface_, log, region_slack);
     worker.start(inside, in_region_, first_harmful_rules);
     const auto goal = static_cast<std::size_t>(2.0 * (1.0 - region_share) * static_cast<double>(inside.size()));
     log.reserve(goal / 2, surface_.wedges());
@@ -166,7 +161,7 @@ void Recorder::simplify_region(std::span<const std::uint32_t> positions, float l
         if (vanished >= goal) monitor_.report(vanished - reported);
     }
     log.shrink();
-    std::fill(in_region_.begin() + positions.front(), in_region_.begin() + positions.back() + 1, std::uint8_t{0});
+    for (const std::uint32_t p : regions.in(region)) in_region_[p] = 0;
 }
 
 // Drops all but `keep` triangles of a part, smallest first.
@@ -186,7 +181,7 @@ void Recorder::simplify_whole() {
     logs_.emplace_back();
     const std::vector<std::uint32_t> positions = live_positions();
     logs_.back().reserve(positions.size(), surface_.wedges());
-    Worker worker(surface_, logs_.back());
+    Worker worker(surface_, logs_.back(), whole_slack);
     worker.start(positions, in_region_, refused);
 
     std::size_t live = surface_.live_faces(), next_part = 0, merges = 0, reported = live, merges_since_retry = 0;

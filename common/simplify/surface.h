@@ -48,6 +48,7 @@ class Surface {
     std::size_t positions() const { return points_.size(); }
     std::size_t faces() const { return face_wedges_.size(); }
     int exponent() const { return exponent_; }  // Geometry's
+    const std::vector<Vec3f>& places() const { return points_; }  // of each position, scaled
     const Vec3f& place(std::uint32_t position) const { return points_[position]; }
     const Vec3f& place_of_wedge(std::uint32_t wedge) const { return points_[position_of_wedge(wedge)]; }
     bool has_materials() const { return !face_materials_.empty(); }

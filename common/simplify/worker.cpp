@@ -8,10 +8,6 @@ namespace {
 
 constexpr std::size_t branches = 4;  // of the heap: flatter than two, fewer cache lines a level
 
-// An edge is merged although its cost has grown since it was queued, up to this factor: the error stays the same, and
-// far fewer edges are queued twice.
-constexpr float cost_slack = 1.25f;
-
 }  // namespace
 
 // Puts the entry at `place` or, while one below is less, below it.
@@ -77,7 +73,7 @@ Merge Worker::next() {
         }
         const Merge merge = surface_.offer(edge);
         const float cost = key_of_cost(merge.cost);
-        if (cost <= cost_slack * top.cost()) return merge;
+        if (cost <= slack_ * top.cost()) return merge;
         sink(0, Entry(cost, edge));
         if (heap_.front().edge() == edge) return merge;
     }

@@ -13,7 +13,9 @@ namespace lodestream::simplify {
 
 class Worker {
   public:
-    Worker(Surface& surface, Log& log) : surface_(surface), log_(log) {}
+    // An edge is merged although its cost has grown since it was queued, by up to `slack` (at least 1): far fewer edges
+    // are queued twice.
+    Worker(Surface& surface, Log& log, float slack) : surface_(surface), log_(log), slack_(slack) {}
 
     // Queues the edges between `positions` where `in_region` (of every position of the surface) says so of both ends.
     // Edges are tried by the rules below `rules_limit`.
@@ -46,6 +48,7 @@ class Worker {
 
     Surface& surface_;
     Log& log_;
+    const float slack_;
     std::uint8_t rules_limit_ = refused;
     std::vector<Entry> heap_;                  // each edge at most once, the cheapest first
     std::vector<EdgeHandle> refused_edges_;    // by some rules at least
