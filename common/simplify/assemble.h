@@ -10,6 +10,6 @@
 namespace lodestream::simplify {
 
 // `logs`: of all workers; a log's steps build on earlier ones and on those of earlier logs.
-History assemble(const Surface& surface, const std::vector<Log>& logs);
+History assemble(const Surface& surface, std::vector<Log> logs, const Executor& executor);
 
 }  // namespace lodestream::simplify

@@ -15,20 +15,23 @@ namespace {
 // Areas of the largest triangles must stay well inside single precision.
 constexpr int max_extent_exponent = 54;
 
-// Place along a Morton curve of a point of the unit cube.
-std::uint64_t morton_code(const Vec3d& p) {
-    const auto cell = [](double x) { return static_cast<std::uint64_t>(std::clamp(x, 0.0, 1.0) * 0x1fffff); };
-    return z_order(cell(p.x), cell(p.y), cell(p.z));
+constexpr unsigned code_bits = 30;
+
+// Place along a Morton curve of a point of the unit cube, to a thousandth of it.
+std::uint32_t morton_code(const Vec3d& p) {
+    constexpr double cells = (1 << code_bits / 3) - 1;
+    const auto cell = [](double x) { return static_cast<std::uint64_t>(std::clamp(x, 0.0, 1.0) * cells); };
+    return static_cast<std::uint32_t>(z_order(cell(p.x), cell(p.y), cell(p.z)));
 }
 
 struct Place {
-    std::uint64_t code;
+    std::uint32_t code;
     std::uint32_t triangle;
 };
 
-// Sorts by code; places of one code stay in their order. Radix sort: the codes are long and many.
+// Sorts by code; places of one code stay in their order.
 void sort_by_code(std::vector<Place>& places) {
-    constexpr unsigned digit_bits = 11, code_bits = 63;
+    constexpr unsigned digit_bits = 10;
     constexpr std::size_t digits = std::size_t{1} << digit_bits;
     std::vector<Place> other(places.size());
     for (unsigned shift = 0; shift < code_bits; shift += digit_bits) {

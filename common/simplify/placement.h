@@ -82,7 +82,7 @@ struct StoredForm {
     Symmetric<float> matrix;
     float area[3] = {0, 0, 0};
     std::uint16_t triangles = 0;  // around the position; 65,535 or more: 65,535
-    std::uint16_t changes = 0;    // of the surroundings since the sums were made
+    std::uint16_t changes = 1;    // of the surroundings since the sums were made; at first there are none
 
     Form form() const { return {Symmetric<double>(matrix), {area[0], area[1], area[2]}}; }
 };

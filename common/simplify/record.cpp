@@ -16,8 +16,8 @@ namespace lodestream::simplify {
 
 namespace {
 
-constexpr std::size_t region_faces = 1u << 13;  // smaller regions have much border, larger ones leave the caches
-constexpr std::size_t min_divided_faces = 1u << 13;
+constexpr std::size_t region_faces = 1u << 12;  // smaller regions have much border, larger ones leave the caches
+constexpr std::size_t min_divided_faces = 1u << 12;
 constexpr double region_share = 0.4;    // of a region's triangles that are left when it is done at the latest
 constexpr double max_share_left = 0.9;  // after a round; else regions are of no use to this surface
 // A round makes no merge that costs more than this share of the edges now, so that regions stay alike and their
@@ -72,7 +72,7 @@ class Recorder {
         if (monitor_.cancelled()) return fail(ErrorCode::unavailable, "simplification was cancelled");
         surface_.end_merging();
         in_region_ = {};
-        return assemble(surface_, logs_);
+        return assemble(surface_, std::move(logs_), options_.executor);
     }
 
   private:
@@ -140,8 +140,8 @@ void Recorder::simplify_region(const Regions& regions, std::size_t region, float
     std::vector<std::uint32_t> inside;
     for (const std::uint32_t p : regions.in(region)) {
         bool inner = sheets.has_one_sheet(p);
-        sheets.for_each_outgoing(
-            p, [&](HalfedgeHandle h) { inner = inner && regions.of[sheets.to(h)] == regions.of[p]; });
+        sheets.for_each_outgoing(p,
+                                 [&](HalfedgeHandle h) { inner = inner && regions.of[sheets.to(h)] == regions.of[p]; });
         in_region_[p] = inner;
         if (inner) inside.push_back(p);
     }

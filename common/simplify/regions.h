@@ -21,7 +21,7 @@ struct Regions {
     }
 };
 
-inline constexpr std::size_t max_regions = 1024;
+inline constexpr std::size_t max_regions = 4096;
 
 // `positions`: by rising number, into `points`. Planes part them into `count` regions (1 to max_regions) of nearly as
 // many each. The planes of every `round` lie askew to those of the rounds before: what was at a border comes inside,

@@ -17,7 +17,7 @@ constexpr std::size_t max_paired_at_edge = 32;
 // A vertex's neighbours up to this number are listed to compare them; beyond it they are looked up.
 constexpr std::size_t max_listed_ring = 64;
 
-constexpr std::size_t positions_per_task = 1u << 15;
+constexpr std::size_t positions_per_task = 1u << 14, faces_per_task = 1u << 15;
 
 // A *dart* is a triangle's directed side: dart 3 * t + k runs from corner k to corner k + 1.
 constexpr std::uint32_t next_dart(std::uint32_t dart) {
@@ -120,29 +120,41 @@ void pair_darts(const Triangles& corners, const std::vector<Vec3f>& points, cons
         }
 }
 
-// Of every dart the one that runs the other way in the neighbouring triangle; none at a border of the sheet.
-// `conflict`: whether two triangles alone at an edge run along it the same way.
-std::vector<std::uint32_t> pair_all(const Triangles& corners, const std::vector<Vec3f>& points,
-                                    const Executor& executor, bool& conflict) {
+struct Pairing {
+    std::vector<std::uint32_t> mate;  // of every dart the one that runs the other way beside it; none: a border
+    bool one_way = false;             // two triangles alone at an edge run along it the same way
+    bool crowded = false;             // more than two are at an edge
+};
+
+Pairing pair_all(const Triangles& corners, const std::vector<Vec3f>& points, const Executor& executor) {
     std::vector<std::uint32_t> mate(3 * corners.size(), none);
-    std::atomic<bool> one_way{false};
+    std::atomic<bool> one_way{false}, crowded{false};
     for_each_edge(corners, points.size(), executor, [&](const std::uint32_t* begin, const std::uint32_t* end) {
         const auto count = static_cast<std::size_t>(end - begin);
         if (count == 2 && start_of(corners, begin[0]) != start_of(corners, begin[1])) {
             mate[begin[0]] = begin[1];
             mate[begin[1]] = begin[0];
-        } else if (count > 2 && count <= max_paired_at_edge) {
-            pair_darts(corners, points, begin, end, mate);
         } else if (count == 2) {
             one_way = true;
+        } else if (count > 2) {
+            crowded = true;
+            if (count <= max_paired_at_edge) pair_darts(corners, points, begin, end, mate);
         }
     });
-    conflict = one_way;
-    return mate;
+    return {std::move(mate), one_way, crowded};
 }
 
 std::size_t edge_count(const std::vector<std::uint32_t>& mate) {
     return (mate.size() + static_cast<std::size_t>(std::count(mate.begin(), mate.end(), none))) / 2;
+}
+
+// Of every dart; the opposite one is its mate's, or open.
+std::vector<int> inner_halfedges(const std::vector<std::uint32_t>& mate) {
+    std::vector<int> halfedge(mate.size());
+    int edges = 0;
+    for (std::uint32_t d = 0; d < mate.size(); ++d)
+        halfedge[d] = mate[d] != none && mate[d] < d ? halfedge[mate[d]] + 1 : 2 * edges++;
+    return halfedge;
 }
 
 // The first dart of the fan around a dart's start: the one at its border, or `dart` itself in a closed fan.
@@ -162,6 +174,20 @@ void walk_fan(const std::vector<std::uint32_t>& mate, std::uint32_t first, Visit
         visit(d);
         d = mate[previous_dart(d)];
     } while (d != none && d != first);
+}
+
+// Whether all triangles around each position are one fan.
+bool has_one_fan_each(const Triangles& corners, const std::vector<std::uint32_t>& mate, std::size_t positions,
+                      const Executor& executor) {
+    std::vector<std::uint32_t> dart_at(positions, none);
+    for (std::uint32_t d = 0; d < mate.size(); ++d) dart_at[start_of(corners, d)] = d;
+    std::vector<std::uint8_t> seen(mate.size(), 0);
+    for_each_run(executor, positions, positions_per_task, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p)
+            if (dart_at[p] != none)
+                walk_fan(mate, first_of_fan(mate, dart_at[p]), [&](std::uint32_t in_fan) { seen[in_fan] = 1; });
+    });
+    return std::find(seen.begin(), seen.end(), 0) == seen.end();
 }
 
 // One sheet for each fan; the sheet of dart d's start.
@@ -210,32 +236,28 @@ bool isolate_double_edges(std::vector<std::uint32_t>& mate, const std::vector<st
 SheetMesh::SheetMesh(const Triangles& corners, const std::vector<Vec3f>& points, const Executor& executor) {
     Triangles turned;
     const Triangles* oriented = &corners;
-    bool conflict = false;
-    std::vector<std::uint32_t> mate = pair_all(corners, points, executor, conflict);
-    if (conflict) {
+    Pairing pairing = pair_all(corners, points, executor);
+    if (pairing.one_way) {
         turned = corners;
         orient(turned, points.size(), executor);
-        mate = pair_all(turned, points, executor, conflict);
+        pairing = pair_all(turned, points, executor);
         oriented = &turned;
     }
+    std::vector<std::uint32_t>& mate = pairing.mate;
+    if (!pairing.one_way && !pairing.crowded && has_one_fan_each(*oriented, mate, points.size(), executor)) {
+        build(points.size(), mate, executor, [&](std::uint32_t d) { return start_of(*oriented, d); });
+        return;
+    }
     std::uint32_t sheets = 0;
-    std::vector<std::uint32_t> sheet_of_dart;
-    const std::size_t edges = edge_count(mate);
-    run(executor, 2, [&](std::size_t task) {
-        if (task == 1) return connectivity_.resize(points.size(), edges, corners.size());  // the size, as a rule
-        sheet_of_dart = number_fans(mate, sheets);
-        while (isolate_double_edges(mate, sheet_of_dart, sheets)) sheet_of_dart = number_fans(mate, sheets);
-    });
+    std::vector<std::uint32_t> sheet_of_dart = number_fans(mate, sheets);
+    while (isolate_double_edges(mate, sheet_of_dart, sheets)) sheet_of_dart = number_fans(mate, sheets);
     place_sheets(*oriented, sheet_of_dart, points.size(), sheets);
-    turned = {};
-    build(std::max<std::size_t>(sheets, simple_ ? points.size() : 0), mate, sheet_of_dart);
+    build(sheets, mate, executor, [&](std::uint32_t d) { return sheet_of_dart[d]; });
 }
 
 void SheetMesh::place_sheets(const Triangles& corners, const std::vector<std::uint32_t>& sheet_of_dart,
                              std::size_t positions, std::size_t sheets) {
-    for (std::uint32_t d = 0; d < sheet_of_dart.size() && simple_; ++d)
-        simple_ = sheet_of_dart[d] == start_of(corners, d);
-    if (simple_) return;
+    simple_ = false;
     sheet_position_.assign(sheets, none);
     for (std::uint32_t d = 0; d < sheet_of_dart.size(); ++d) sheet_position_[sheet_of_dart[d]] = start_of(corners, d);
     first_sheet_.assign(positions, none);
@@ -256,25 +278,30 @@ void SheetMesh::list_sheets() {
     next_sheet_.assign(sheet_position_.size(), none);
 }
 
-void SheetMesh::build(std::size_t sheets, const std::vector<std::uint32_t>& mate,
-                      const std::vector<std::uint32_t>& sheet_of_dart) {
-    std::vector<int> halfedge(mate.size());
-    int edges = 0;
-    for (std::uint32_t d = 0; d < mate.size(); ++d)
-        halfedge[d] = mate[d] != none && mate[d] < d ? halfedge[mate[d]] + 1 : 2 * edges++;
-    connectivity_.resize(sheets, static_cast<std::size_t>(edges), mate.size() / 3);
-
+// `sheet_at(d)`: that of dart d's start.
+template <class SheetAt>
+void SheetMesh::build(std::size_t sheets, const std::vector<std::uint32_t>& mate, const Executor& executor,
+                      const SheetAt& sheet_at) {
+    std::vector<int> halfedge;
+    run(executor, 2, [&](std::size_t task) {
+        if (task == 0)
+            connectivity_.resize(sheets, edge_count(mate), mate.size() / 3);
+        else
+            halfedge = inner_halfedges(mate);
+    });
     const auto inner = [&](std::uint32_t d) { return HalfedgeHandle(halfedge[d]); };
     const auto outer = [&](std::uint32_t d) { return HalfedgeHandle(halfedge[d] + 1); };
-    const auto sheet = [&](std::uint32_t d) { return VertexHandle(static_cast<int>(sheet_of_dart[d])); };
-    for (std::uint32_t d = 0; d < mate.size(); ++d) {
-        const FaceHandle face(static_cast<int>(d / 3));
-        connectivity_.set_vertex_handle(inner(d), sheet(next_dart(d)));
-        connectivity_.set_face_handle(inner(d), face);
-        connectivity_.set_next_halfedge_handle(inner(d), inner(next_dart(d)));
-        connectivity_.set_halfedge_handle(sheet(d), inner(d));
-        if (d % 3 == 0) connectivity_.set_halfedge_handle(face, inner(d));
-    }
+    const auto sheet = [&](std::uint32_t d) { return VertexHandle(static_cast<int>(sheet_at(d))); };
+    for_each_run(executor, mate.size() / 3, faces_per_task, [&](std::size_t begin, std::size_t end) {
+        for (auto d = static_cast<std::uint32_t>(3 * begin); d < 3 * end; ++d) {
+            const FaceHandle face(static_cast<int>(d / 3));
+            connectivity_.set_vertex_handle(inner(d), sheet(next_dart(d)));
+            connectivity_.set_face_handle(inner(d), face);
+            connectivity_.set_next_halfedge_handle(inner(d), inner(next_dart(d)));
+            if (d % 3 == 0) connectivity_.set_halfedge_handle(face, inner(d));
+        }
+    });
+    for (std::uint32_t d = 0; d < mate.size(); ++d) connectivity_.set_halfedge_handle(sheet(d), inner(d));
     for (std::uint32_t d = 0; d < mate.size(); ++d) {
         if (mate[d] != none) continue;
         std::uint32_t last = d;

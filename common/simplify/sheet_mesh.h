@@ -107,8 +107,9 @@ class SheetMesh {
   private:
     void place_sheets(const std::vector<mesh::Triangle>& corners, const std::vector<std::uint32_t>& sheet_of_dart,
                       std::size_t positions, std::size_t sheets);
-    void build(std::size_t sheets, const std::vector<std::uint32_t>& mate,
-               const std::vector<std::uint32_t>& sheet_of_dart);
+    template <class SheetAt>
+    void build(std::size_t sheets, const std::vector<std::uint32_t>& mate, const Executor& executor,
+               const SheetAt& sheet_at);
     void list_sheets();
     void move(std::uint32_t sheet, std::uint32_t target);
     bool dangles(HalfedgeHandle h) const;

@@ -81,28 +81,31 @@ Surface::Surface(mesh::Mesh mesh, const Executor& executor) {
         for (const std::uint32_t wedge : t) wedges_.add_use(wedge);
     sheets_.emplace(one_wedge_each ? face_wedges_ : corners, points_, executor);
     corners = {};
-    prepare_positions();
+    prepare_positions(executor);
 }
 
-void Surface::prepare_positions() {
+void Surface::prepare_positions(const Executor& executor) {
     live_.assign(faces(), 1);
-    weigh_normals();
     seam_.assign(positions(), 0);
     if (!position_of_wedge_.empty())
         for (std::uint32_t p = 0; p < seam_.size(); ++p) seam_[p] = wedges_.has_seam(p);
     held_.assign(positions(), 0);
-    for (std::uint32_t p = 0; p < held_.size(); ++p) held_[p] = must_hold(p);
-    forms_.resize(positions());
-    for (StoredForm& f : forms_) f.changes = 1;
     keys_.assign(positions(), 0.0f);
     rules_.assign(sheets_->edges(), 0);
+    run(executor, 2, [&](std::size_t task) {
+        if (task == 0) return weigh_normals();
+        forms_.resize(positions());
+        for (std::uint32_t p = 0; p < held_.size(); ++p) held_[p] = must_hold(p);
+    });
 }
 
 void Surface::weigh_normals() {
     if (!wedges_.has_normals()) return;
     std::vector<float> area_at(wedges_.size(), 0.0f);
-    for (std::uint32_t f = 0; f < face_wedges_.size(); ++f)
-        for (const std::uint32_t w : face_wedges_[f]) area_at[w] += static_cast<float>(area(f));
+    for (std::uint32_t f = 0; f < face_wedges_.size(); ++f) {
+        const auto size = static_cast<float>(area(f));
+        for (const std::uint32_t w : face_wedges_[f]) area_at[w] += size;
+    }
     for (std::uint32_t w = 0; w < area_at.size(); ++w) wedges_.weigh_normal(w, double{area_at[w]});
 }
 

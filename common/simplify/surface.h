@@ -47,7 +47,7 @@ class Surface {
 
     std::size_t positions() const { return points_.size(); }
     std::size_t faces() const { return face_wedges_.size(); }
-    int exponent() const { return exponent_; }  // Geometry's
+    int exponent() const { return exponent_; }                    // Geometry's
     const std::vector<Vec3f>& places() const { return points_; }  // of each position, scaled
     const Vec3f& place(std::uint32_t position) const { return points_[position]; }
     const Vec3f& place_of_wedge(std::uint32_t wedge) const { return points_[position_of_wedge(wedge)]; }
@@ -113,7 +113,7 @@ class Surface {
     Vec3d point(std::uint32_t position) const { return Vec3d(points_[position]); }
 
     bool keeps_sheets(std::uint32_t source, std::uint32_t target) const;
-    void prepare_positions();
+    void prepare_positions(const Executor& executor);
     void gather(std::uint32_t source, std::uint32_t target, bool moves, Scratch& s) const;
     bool keeps_shape(const Scratch::Corner& c, const Vec3d& new_apex) const;
     bool keeps_texture(const Scratch::Corner& c, const Scratch& s) const;

@@ -35,9 +35,10 @@ void reset_high_water_mark() {
 std::uint64_t growth_here(const std::function<void()>& work) {
     malloc_trim(0);
     reset_high_water_mark();
-    const std::uint64_t before = status_bytes("VmRSS:");
+    const std::uint64_t before = status_bytes("VmRSS:"), files_before = status_bytes("RssFile:");
     work();
-    return std::max(status_bytes("VmHWM:"), before) - before;
+    const std::uint64_t files = std::max(status_bytes("RssFile:"), files_before) - files_before;
+    return std::max(status_bytes("VmHWM:"), before + files) - before - files;
 }
 
 // The child's whole life: leaves without the parent's destructors.
