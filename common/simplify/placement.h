@@ -84,6 +84,10 @@ struct StoredForm {
     std::uint16_t triangles = 0;  // around the position; 65,535 or more: 65,535
     std::uint16_t changes = 1;    // of the surroundings since the sums were made; at first there are none
 
+    // Sums are made anew when this share of a position's surroundings has changed.
+    static constexpr std::uint16_t changed_share = 4;
+
+    bool is_stale() const { return changes > triangles / changed_share; }
     Form form() const { return {Symmetric<double>(matrix), {area[0], area[1], area[2]}}; }
 };
 

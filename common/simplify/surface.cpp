@@ -22,8 +22,6 @@ constexpr double sliver_height = 1e-2;      // of the longest side; thinner only
 
 // A position with more triangles stays where it is when others merge into it: what is far around it is left alone.
 constexpr std::uint16_t hub_triangles = 256;
-// Sums are made anew when this share of a position's surroundings has changed.
-constexpr std::uint16_t changed_share = 4;
 // A merge of more wedges is refused: a step of the log has room for no more, with those that go at other positions.
 constexpr std::size_t max_step_wedges = Log::max_deaths / 2;
 // An end of the edge that costs no more than this above the minimum (of the area times the squared length) is taken.
@@ -34,10 +32,6 @@ constexpr std::uint16_t saturated(std::size_t count) {
 }
 
 }  // namespace
-
-float key_of_cost(double cost) {
-    return static_cast<float>(std::min(std::sqrt(cost), double{std::numeric_limits<float>::max()}));
-}
 
 // What the mesh and the geometry hold is freed as soon as it has been taken over: this is where memory peaks.
 Surface::Surface(mesh::Mesh mesh, const Executor& executor) {
@@ -157,9 +151,7 @@ bool Surface::must_hold(std::uint32_t position) const {
     return seam_[position] || !sheets_->has_one_sheet(position) || sheets_->is_on_border(position);
 }
 
-Form Surface::form(std::uint32_t position) {
-    StoredForm& stored = forms_[position];
-    if (stored.changes <= stored.triangles / changed_share) return stored.form();
+void Surface::sum_form(std::uint32_t position) {
     Form sum;
     std::size_t triangles = 0;
     const Vec3d at = point(position);
@@ -183,11 +175,11 @@ Form Surface::form(std::uint32_t position) {
             h = following;
         } while (h != start);
     });
+    StoredForm& stored = forms_[position];
     stored.matrix = Symmetric<float>(sum.matrix);
     for (int k = 0; k < 3; ++k) stored.area[k] = static_cast<float>(sum.area[k]);
     stored.triangles = saturated(triangles);
     stored.changes = 0;
-    return sum;
 }
 
 // Twice the area vector of the triangles that both ends of an edge have in common.

@@ -2,7 +2,9 @@
 // positions. Workers may change it at the same time as long as no two of them touch one position or its neighbours.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -103,7 +105,11 @@ class Surface {
 
   private:
     void weigh_normals();
-    Form form(std::uint32_t position);
+    Form form(std::uint32_t position) {
+        if (forms_[position].is_stale()) sum_form(position);
+        return forms_[position].form();
+    }
+    void sum_form(std::uint32_t position);
     Vec3d shared_area(HalfedgeHandle h) const;
     bool is_line(HalfedgeHandle h) const;
     bool is_seam(HalfedgeHandle h) const;
@@ -142,6 +148,8 @@ class Surface {
 };
 
 // The square root of a cost, as steps are ordered by.
-float key_of_cost(double cost);
+inline float key_of_cost(double cost) {
+    return static_cast<float>(std::min(std::sqrt(cost), double{std::numeric_limits<float>::max()}));
+}
 
 }  // namespace lodestream::simplify
