@@ -4,13 +4,11 @@
 #include <cmath>
 #include <fstream>
 #include <iostream>
-#include <utility>
 
 #include "tests/bench/engine.h"
 #include "tests/bench/fit.h"
 #include "tests/bench/inputs.h"
 #include "tests/bench/plots.h"
-#include "tests/bench/process_memory.h"
 #include "tests/bench/stopwatch.h"
 #include "tests/bench/table.h"
 
@@ -47,10 +45,8 @@ std::vector<std::string> specs_of(const std::string& series) {
     return specs;
 }
 
-GrowthResult measure_growth(const std::string& series, mesh::Mesh mesh, int rounds) {
+GrowthResult measure_growth(const std::string& series, const mesh::Mesh& mesh, int rounds) {
     GrowthResult result{series, mesh.triangles.size(), mesh.positions.size(), {}, 0.0};
-    const std::uint64_t bytes = peak_growth_bytes([&] { record(std::exchange(mesh, {})); });
-    result.bytes_per_vertex = static_cast<double>(bytes) / static_cast<double>(mesh.positions.size());
     std::vector<double> wall, cpu;
     for (int round = 0; round < rounds; ++round) {
         mesh::Mesh own = mesh;
@@ -152,11 +148,14 @@ void run(const Arguments& arguments) {
     std::vector<GrowthResult> results;
     for (const std::string& series : arguments.series)
         for (const std::string& spec : specs_of(series)) {
+            const std::uint64_t peak_bytes = recording_peak_bytes(spec, arguments.data);
             Result<Input> input = load_input(spec, arguments.data);
             if (!input) throw std::runtime_error(input.error().message);
             if (input->mesh.triangles.size() > arguments.max_triangles) break;
             std::cerr << spec << std::endl;
-            results.push_back(measure_growth(series, std::move(input->mesh), arguments.rounds));
+            results.push_back(measure_growth(series, input->mesh, arguments.rounds));
+            results.back().bytes_per_vertex =
+                static_cast<double>(peak_bytes) / static_cast<double>(input->mesh.positions.size());
         }
     std::cout << growth_table(results) << '\n' << fit_table(results, arguments.series);
     print_memory_verdict(results);

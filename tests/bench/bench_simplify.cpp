@@ -4,12 +4,14 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
 #include "client/report/machine.h"
 #include "tests/bench/comparison.h"
+#include "tests/bench/engine.h"
 #include "tests/bench/table.h"
 #include "tests/bench/verdict.h"
 
@@ -122,9 +124,14 @@ void run(const Arguments& arguments) {
     options.methods = chosen_methods(arguments.only);
     options.max_rounds = arguments.rounds;
     options.errors = wanted("error");
-    options.memory = wanted("memory") && std::ranges::count(arguments.only, "ours") > 0;
     options.picture_folder = arguments.picture_folder;
     if (!arguments.picture_folder.empty()) std::filesystem::create_directories(options.picture_folder);
+
+    const std::vector<std::string> specs =
+        arguments.models.empty() ? default_inputs(arguments.data) : expanded(arguments.models);
+    std::map<std::string, std::uint64_t> peak_bytes;  // first, as long as this process has done nothing else
+    if (wanted("memory") && std::ranges::count(arguments.only, "ours") > 0)
+        for (const std::string& spec : specs) peak_bytes[spec] = recording_peak_bytes(spec, arguments.data);
 
     std::optional<Painter> painter;
     if (wanted("image")) {
@@ -135,8 +142,7 @@ void run(const Arguments& arguments) {
     }
 
     std::vector<ModelResult> models;
-    for (const std::string& spec :
-         arguments.models.empty() ? default_inputs(arguments.data) : expanded(arguments.models)) {
+    for (const std::string& spec : specs) {
         Result<Input> input = load_input(spec, arguments.data);
         if (!input) throw std::runtime_error(input.error().message);
         std::cerr << input->name << ": " << input->mesh.triangles.size() << " triangles, "
@@ -144,6 +150,10 @@ void run(const Arguments& arguments) {
                   << input->repairs.dropped_triangles << " triangles and splitting " << input->repairs.split_vertices
                   << " vertices" << std::endl;
         models.push_back(compare_methods(std::move(*input), options));
+        for (MethodResult& method : models.back().methods)
+            if (method.method == "ours" && peak_bytes.contains(spec))
+                method.peak_bytes_per_vertex =
+                    static_cast<double>(peak_bytes[spec]) / static_cast<double>(models.back().vertices);
         std::cout << comparison_table(models.back()) << std::endl;
     }
     const std::vector<Verdict> all = verdicts(models);

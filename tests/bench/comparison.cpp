@@ -7,7 +7,6 @@
 
 #include "common/mesh/operations.h"
 #include "tests/bench/engine.h"
-#include "tests/bench/process_memory.h"
 
 namespace lodestream::bench {
 
@@ -117,16 +116,9 @@ ModelResult compare_methods(Input input, const ComparisonOptions& options) {
     ModelResult result{
         input.name, mesh.triangles.size(), mesh.positions.size(), mesh::bounds(mesh).diagonal(), input.repairs, {}};
     const std::vector<std::uint64_t> counts = counts_of(mesh);
-    std::optional<double> bytes_per_vertex;
-    if (options.memory) {
-        const std::uint64_t bytes = peak_growth_bytes([&] { record(std::exchange(mesh, {})); });
-        bytes_per_vertex = static_cast<double>(bytes) / static_cast<double>(result.vertices);
-    }
     const std::vector<std::vector<Run>> runs = run_in_turns(mesh, counts, options);
-    for (std::size_t m = 0; m < runs.size(); ++m) {
+    for (std::size_t m = 0; m < runs.size(); ++m)
         result.methods.push_back(timed(options.methods[m].name, runs[m], counts));
-        if (result.methods.back().method == "ours") result.methods.back().peak_bytes_per_vertex = bytes_per_vertex;
-    }
     if (options.errors) measure_errors(mesh, runs, result);
     if (options.painter != nullptr) measure_pictures(mesh, runs, options, result);
     return result;

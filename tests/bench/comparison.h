@@ -32,7 +32,7 @@ struct MethodResult {
     Duration prepared;
     Duration cut;
     std::array<LevelResult, level_percents.size()> levels;
-    std::optional<double> peak_bytes_per_vertex;
+    std::optional<double> peak_bytes_per_vertex;  // recording_peak_bytes(), ours only
 };
 
 struct ModelResult {
@@ -50,7 +50,6 @@ struct ComparisonOptions {
     double seconds_per_method = 4.0;  // but starts no further round after so long
     bool errors = true;               // surface distance
     Painter* painter = nullptr;       // null: no image errors
-    bool memory = true;               // peak of our record, in a process of its own
     std::filesystem::path
         picture_folder;  // empty: none; else the first view of all methods at each level, side by side
 };

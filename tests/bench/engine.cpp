@@ -4,7 +4,9 @@
 #include <utility>
 
 #include "server/bake/executor.h"
+#include "tests/bench/inputs.h"
 #include "tests/bench/methods.h"
+#include "tests/bench/process_memory.h"
 
 namespace lodestream::bench {
 
@@ -18,6 +20,16 @@ Recording record(mesh::Mesh mesh) {
 
 mesh::Mesh cut(const Recording& recording, std::uint64_t triangles) {
     return simplify::cut(recording.history, triangles);
+}
+
+std::uint64_t recording_peak_bytes(const std::string& spec, const std::string& folder) {
+    mesh::Mesh mesh;
+    const auto load = [&] {
+        Result<Input> input = load_input(spec, folder);
+        if (!input) throw std::runtime_error(input.error().message);
+        mesh = std::move(input->mesh);
+    };
+    return peak_growth_bytes([&] { record(std::move(mesh)); }, load);
 }
 
 Run run_ours(const mesh::Mesh& mesh, const std::vector<std::uint64_t>& counts) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "common/mesh/mesh.h"
 #include "common/simplify/history.h"
@@ -15,5 +16,9 @@ struct Recording {
 // Recorded on all cores; the mesh is freed on the way. Terminates with the error's message where the engine refuses.
 Recording record(mesh::Mesh mesh);
 mesh::Mesh cut(const Recording& recording, std::uint64_t triangles);
+
+// What recording a model (see load_input()) needs at its peak beside the mesh, in a process that has done nothing but
+// load it, where this one has done nothing big yet.
+std::uint64_t recording_peak_bytes(const std::string& spec, const std::string& folder);
 
 }  // namespace lodestream::bench

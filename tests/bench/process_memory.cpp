@@ -42,9 +42,10 @@ std::uint64_t growth_here(const std::function<void()>& work) {
 }
 
 // The child's whole life: leaves without the parent's destructors.
-[[noreturn]] void report_growth(const std::function<void()>& work, int pipe_end) {
+[[noreturn]] void report_growth(const std::function<void()>& work, const std::function<void()>& prepare, int pipe_end) {
     int code = 1;
     try {
+        if (prepare) prepare();
         const std::uint64_t bytes = growth_here(work);
         code = write(pipe_end, &bytes, sizeof bytes) == static_cast<ssize_t>(sizeof bytes) ? 0 : 1;
     } catch (const std::exception& error) {
@@ -55,12 +56,12 @@ std::uint64_t growth_here(const std::function<void()>& work) {
 
 }  // namespace
 
-std::uint64_t peak_growth_bytes(const std::function<void()>& work) {
+std::uint64_t peak_growth_bytes(const std::function<void()>& work, const std::function<void()>& prepare) {
     std::array<int, 2> ends{};
     if (pipe(ends.data()) != 0) throw std::runtime_error("no pipe");
     const pid_t child = fork();
     if (child < 0) throw std::runtime_error("no second process");
-    if (child == 0) report_growth(work, ends[1]);
+    if (child == 0) report_growth(work, prepare, ends[1]);
     close(ends[1]);
     std::uint64_t bytes = 0;
     const ssize_t got = read(ends[0], &bytes, sizeof bytes);
