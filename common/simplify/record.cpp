@@ -17,7 +17,7 @@ namespace lodestream::simplify {
 namespace {
 
 constexpr std::size_t region_faces = 1u << 13;  // smaller regions have much border, larger ones leave the caches
-constexpr std::size_t min_divided_faces = 1u << 12;
+constexpr std::size_t min_divided_faces = 1u << 13;
 constexpr double region_share = 0.3;    // of a region's triangles that are left when it is done at the latest
 constexpr double max_share_left = 0.9;  // after a round; else regions are of no use to this surface
 // A round makes no merge that costs more than this share of the edges now, so that regions stay alike and their

@@ -54,6 +54,8 @@ bool hand_over(const simplify::History& scene, std::vector<Candidate>& shells, c
         std::size_t best = 0;
         for (std::size_t i = 1; i < errors.size(); ++i)
             if (errors[i].rms < errors[best].rms) best = i;
+        in_charge->errors.push_back({count, errors[0]});  // where it hands over, too: it serves down to here
+        if (best == 0) continue;
         in_charge = measured[best];
         in_charge->errors.push_back({count, errors[best]});
     }
@@ -64,6 +66,7 @@ bool hand_over(const simplify::History& scene, std::vector<Candidate>& shells, c
 std::vector<ErrorSample> every_second(const std::vector<ErrorSample>& samples) {
     std::vector<ErrorSample> some;
     for (std::size_t i = 0; i < samples.size(); i += 2) some.push_back(samples[i]);
+    if (samples.size() % 2 == 0) some.push_back(samples.back());
     return some;
 }
 
