@@ -57,7 +57,7 @@ std::vector<std::uint64_t> measured_counts(std::uint64_t triangles) {
     std::vector<std::uint64_t> counts = ladder_counts(triangles);
     for (const double share : {0.9, 0.7})
         counts.push_back(static_cast<std::uint64_t>(share * static_cast<double>(triangles)));
-    for (const std::uint64_t few : {16, 4, 2, 1})
+    for (const std::uint64_t few : {16, 8, 6, 5, 4, 3, 2, 1})
         if (few < triangles) counts.push_back(few);
     return counts;
 }
