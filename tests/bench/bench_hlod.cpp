@@ -167,6 +167,12 @@ class WholeScene {
     Duration baked_;
 };
 
+mesh::Model flat(mesh::Model model) {
+    model.mesh.normals.clear();
+    model.mesh = mesh::with_normals(model.mesh, 0.0);
+    return model;
+}
+
 // Every object on its own, by this engine: of all levels of all objects those within one error, the largest at which
 // the budget holds; an object smaller than that error is left out. The strongest that levels of single objects can be.
 class ObjectWise {
@@ -273,6 +279,7 @@ void compare(const Arguments& arguments) {
     Result<Painter> painter = Painter::create();
     if (!painter) throw std::runtime_error(painter.error().message);
     Gallery gallery(*painter, model, views_from_26(model));
+    if (!arguments.picture_folder.empty()) fs::create_directories(arguments.picture_folder);
 
     std::vector<TableRow> rows{{"budget", "method", "triangles", "image error", "outline %", "ours / it"}};
     for (const std::uint64_t budget : arguments.budgets) {
@@ -281,6 +288,7 @@ void compare(const Arguments& arguments) {
         const std::vector<std::pair<std::string, mesh::Model>> levels{
             {"hierarchical", hierarchy.cut(view, within_budget(budget), bytes)},
             {"plan's level", whole.cut(budget)},
+            {"plan's level, flat", flat(whole.cut(budget))},
             {"one mesh", with_materials_of(model, whole.cut_whole(budget))},
             {"object-wise", with_materials_of(model, object_wise.cut(budget))},
             {"equal ratio", with_materials_of(model, equal_ratio(objects, triangles, budget))}};
