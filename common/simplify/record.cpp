@@ -16,13 +16,13 @@ namespace lodestream::simplify {
 
 namespace {
 
-constexpr std::size_t region_faces = 1u << 13;  // smaller regions have much border, larger ones leave the caches
+constexpr std::size_t region_faces = 1u << 14;  // smaller regions have much border, larger ones leave the caches
 constexpr std::size_t min_divided_faces = 1u << 13;
 constexpr double region_share = 0.3;    // of a region's triangles that are left when it is done at the latest
 constexpr double max_share_left = 0.9;  // after a round; else regions are of no use to this surface
 // A round makes no merge that costs more than this share of the edges now, so that regions stay alike and their
 // borders, which lie inside the next round's regions, do not fall far behind.
-constexpr double merged_quantile = 0.9;
+constexpr double merged_quantile = 0.8;
 constexpr std::size_t sampled_positions = 64;  // one of so many is asked for that cost
 
 // Of costs, as Worker takes it: what is left as a whole is coarse, each merge shows.
