@@ -30,7 +30,7 @@ constexpr float region_slack = 1.5f;
 constexpr float whole_slack = 1.25f;
 
 constexpr double retry_share = 0.9;  // refused merges are tried again when this share of the triangles is left
-constexpr std::size_t merges_per_report = 8192;
+constexpr std::size_t merges_per_report = 2048;
 
 // Progress and cancellation, from any worker.
 class Monitor {
@@ -149,8 +149,8 @@ void Recorder::simplify_region(const Regions& regions, std::size_t region, float
     worker.start(inside, in_region_, first_harmful_rules);
     const auto goal = static_cast<std::size_t>(2.0 * (1.0 - region_share) * static_cast<double>(inside.size()));
     log.reserve(goal / 2, surface_.wedges());
-    std::size_t reported = 0, merges = 0;
-    for (std::size_t vanished = 0; vanished < goal;) {
+    std::size_t vanished = 0, reported = 0, merges = 0;
+    while (vanished < goal) {
         if (merges++ % merges_per_report == 0) {
             if (!monitor_.report(vanished - reported)) break;
             reported = vanished;
@@ -158,8 +158,8 @@ void Recorder::simplify_region(const Regions& regions, std::size_t region, float
         const Merge merge = worker.next();
         if (!merge.edge.is_valid() || key_of_cost(merge.cost) > limit) break;
         vanished += worker.take(merge, 3);
-        if (vanished >= goal) monitor_.report(vanished - reported);
     }
+    monitor_.report(vanished - reported);
     log.shrink();
     for (const std::uint32_t p : regions.in(region)) in_region_[p] = 0;
 }
