@@ -66,7 +66,8 @@ struct RecordOptions {
 // must be compact (see mesh/operations.h); triangles without three different positions and unused vertices are left
 // out. Any connectivity is taken: non-manifold, soup, thousands of pieces. Errors: unavailable (cancelled),
 // limit_exceeded (memory).
-// The mesh is freed on the way: what is needed beside it is at most about 250 bytes a vertex.
+// The mesh is freed on the way: what is allocated beside it is at most about 250 bytes a vertex, 300 where surfaces
+// touch.
 Result<History> record_history(mesh::Mesh mesh, const RecordOptions& options = {});
 
 // The level of the most triangles that is not above `triangles`. Attributes and materials follow. O(result).

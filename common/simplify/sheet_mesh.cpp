@@ -252,6 +252,7 @@ SheetMesh::SheetMesh(const Triangles& corners, const std::vector<Vec3f>& points,
     std::vector<std::uint32_t> sheet_of_dart = number_fans(mate, sheets);
     while (isolate_double_edges(mate, sheet_of_dart, sheets)) sheet_of_dart = number_fans(mate, sheets);
     place_sheets(*oriented, sheet_of_dart, points.size(), sheets);
+    turned = {};
     build(sheets, mate, executor, [&](std::uint32_t d) { return sheet_of_dart[d]; });
 }
 

@@ -32,7 +32,7 @@ struct GrowthResult {
 };
 
 constexpr double memory_target_bytes = 250.0;
-// On smaller models a fixed megabyte of code pages and stacks would count as theirs.
+// On smaller models the heaps of two threads would count as theirs.
 constexpr std::uint64_t memory_least_vertices = 50'000;
 // What timing noise may add to an exponent of 1.
 constexpr double exponent_target = 1.05;
@@ -148,11 +148,11 @@ void run(const Arguments& arguments) {
     std::vector<GrowthResult> results;
     for (const std::string& series : arguments.series)
         for (const std::string& spec : specs_of(series)) {
-            const std::uint64_t peak_bytes = recording_peak_bytes(spec, arguments.data);
             Result<Input> input = load_input(spec, arguments.data);
             if (!input) throw std::runtime_error(input.error().message);
             if (input->mesh.triangles.size() > arguments.max_triangles) break;
             std::cerr << spec << std::endl;
+            const std::uint64_t peak_bytes = recording_peak_bytes(spec, arguments.data);
             results.push_back(measure_growth(series, input->mesh, arguments.rounds));
             results.back().bytes_per_vertex =
                 static_cast<double>(peak_bytes) / static_cast<double>(input->mesh.positions.size());

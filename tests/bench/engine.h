@@ -17,8 +17,8 @@ struct Recording {
 Recording record(mesh::Mesh mesh);
 mesh::Mesh cut(const Recording& recording, std::uint64_t triangles);
 
-// What recording a model (see load_input()) needs at its peak beside the mesh, in a process that has done nothing but
-// load it, where this one has done nothing big yet.
+// What recording a model (see load_input()) needs at its peak beside the mesh, in a copy of this process that loads it
+// anew: of the engine alone where this one has done nothing big yet.
 std::uint64_t recording_peak_bytes(const std::string& spec, const std::string& folder);
 
 }  // namespace lodestream::bench
