@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "common/base/packed_normal.h"
@@ -104,22 +105,25 @@ class Assembler {
         }
     }
 
+    // Room is asked for here and filled side by side: what one thread frees, another does not get again.
     void make_room(const Executor& executor) {
         const Step& all = h_.steps.back();
         const std::size_t values = std::size_t{all.vertices} + all.changes;
-        simplify::run(executor, 2, [&](std::size_t task) {
-            if (task == 0) {
-                h_.positions.resize(values);
-                if (surface_.wedges().has_normals()) h_.normals.resize(values);
-                if (surface_.wedges().has_texture_coordinates()) h_.texture_coordinates.resize(values);
-                if (surface_.wedges().has_colors()) h_.colors.resize(values);
-            } else {
-                h_.changed_vertices.resize(all.changes);
-                h_.moved_corners.resize(corners_);
-                h_.triangles.resize(all.triangles);
-                if (surface_.has_materials()) h_.triangle_materials.resize(all.triangles);
-            }
-        });
+        const Wedges& wedges = surface_.wedges();
+        std::vector<std::function<void()>> fills;
+        const auto plan = [&](auto& values_of, std::size_t count) {
+            values_of.reserve(count);
+            fills.emplace_back([&values_of, count] { values_of.resize(count); });
+        };
+        plan(h_.positions, values);
+        if (wedges.has_normals()) plan(h_.normals, values);
+        if (wedges.has_texture_coordinates()) plan(h_.texture_coordinates, values);
+        if (wedges.has_colors()) plan(h_.colors, values);
+        plan(h_.changed_vertices, all.changes);
+        plan(h_.moved_corners, corners_);
+        plan(h_.triangles, all.triangles);
+        if (surface_.has_materials()) plan(h_.triangle_materials, all.triangles);
+        simplify::run(executor, fills.size(), [&](std::size_t k) { fills[k](); });
     }
 
     void write_vertex(std::size_t value, std::uint32_t wedge) {

@@ -10,11 +10,6 @@ namespace {
 // A part is dropped once a merge costs more than its area times its squared size times this.
 constexpr double drop_weight = 3.0;
 
-std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-
 mesh::Triangle positions_of(const Surface& surface, std::uint32_t face) {
     mesh::Triangle t = surface.face_wedges(face);
     for (std::uint32_t& corner : t) corner = surface.position_of_wedge(corner);
@@ -28,27 +23,30 @@ std::vector<std::uint32_t> live_faces(const Surface& surface) {
     return faces;
 }
 
-// Numbers the parts by their first face.
+// The lowest position connected with `i`, which every position leads to by way of lower ones.
+std::uint32_t root_of(std::vector<std::uint32_t>& lower, std::uint32_t i) {
+    while (lower[i] != i) i = lower[i] = lower[lower[i]];
+    return i;
+}
+
+// Numbers the parts by their lowest position.
 void number_parts(const Surface& surface, const std::vector<std::uint32_t>& faces, Components& c) {
-    std::vector<std::uint32_t> parent(surface.positions());
-    std::iota(parent.begin(), parent.end(), 0u);
+    std::vector<std::uint32_t>& lower = c.of_position;
+    lower.assign(surface.positions(), none);
+    for (const std::uint32_t f : faces)
+        for (const std::uint32_t corner : positions_of(surface, f)) lower[corner] = corner;
     for (const std::uint32_t f : faces) {
         const mesh::Triangle t = positions_of(surface, f);
         for (const std::uint32_t corner : t) {
-            const std::uint32_t a = root_of(parent, t[0]), b = root_of(parent, corner);
-            parent[std::max(a, b)] = std::min(a, b);
+            const std::uint32_t a = root_of(lower, t[0]), b = root_of(lower, corner);
+            lower[std::max(a, b)] = std::min(a, b);
         }
     }
-    c.of_position.assign(parent.size(), none);
-    for (const std::uint32_t f : faces) {
-        std::uint32_t& number = c.of_position[root_of(parent, positions_of(surface, f)[0])];
-        if (number == none) {
-            number = static_cast<std::uint32_t>(c.live.size());
-            c.live.push_back(0);
-        }
-        ++c.live[number];
-    }
-    for (std::uint32_t p = 0; p < parent.size(); ++p) c.of_position[p] = c.of_position[root_of(parent, p)];
+    std::uint32_t parts = 0;
+    for (std::uint32_t p = 0; p < lower.size(); ++p)
+        if (lower[p] != none) lower[p] = lower[p] == p ? parts++ : lower[lower[p]];
+    c.live.assign(parts, 0);
+    for (const std::uint32_t f : faces) ++c.live[c.of_position[positions_of(surface, f)[0]]];
 }
 
 void rank_parts(const Surface& surface, Components& c) {

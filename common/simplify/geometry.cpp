@@ -29,11 +29,11 @@ struct Place {
     std::uint32_t triangle;
 };
 
-// Sorts by code; places of one code stay in their order.
-void sort_by_code(std::vector<Place>& places) {
+// Sorts by code; places of one code stay in their order. `other`: room to sort in.
+void sort_by_code(std::vector<Place>& places, std::vector<Place>& other) {
     constexpr unsigned digit_bits = 10;
     constexpr std::size_t digits = std::size_t{1} << digit_bits;
-    std::vector<Place> other(places.size());
+    other.resize(places.size());
     for (unsigned shift = 0; shift < code_bits; shift += digit_bits) {
         const auto digit = [&](const Place& p) { return static_cast<std::size_t>(p.code >> shift) & (digits - 1); };
         std::vector<std::size_t> begin(digits + 1, 0);
@@ -45,22 +45,18 @@ void sort_by_code(std::vector<Place>& places) {
     }
 }
 
-std::vector<std::uint32_t> triangles_along_curve(const mesh::Mesh& mesh, const Box& box) {
+void order_along_curve(const mesh::Mesh& mesh, const Box& box, std::vector<Place>& places, std::vector<Place>& other) {
     const Vec3d extent = box.extent();
     const double size = std::max({extent.x, extent.y, extent.z});
     const double to_unit = size > 0 ? 1.0 / size : 0.0;
-    std::vector<Place> places(mesh.triangles.size());
+    places.resize(mesh.triangles.size());
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         const mesh::Triangle& v = mesh.triangles[t];
         Vec3d sum{0.0};
         for (const std::uint32_t corner : v) sum += Vec3d(mesh.positions[corner]) - box.min;
         places[t] = {morton_code(sum * (to_unit / 3.0)), t};
     }
-    sort_by_code(places);
-    std::vector<std::uint32_t> order;
-    order.reserve(places.size());
-    for (const Place& place : places) order.push_back(place.triangle);
-    return order;
+    sort_by_code(places, other);
 }
 
 // The mean exponent of the triangles' sides: one far vertex does not move it.
@@ -95,13 +91,16 @@ Geometry weld(const mesh::Mesh& mesh, const Executor& executor) {
     const Box box = mesh::bounds(mesh);
     g.exponent = typical_exponent(mesh, box);
     const std::vector<Vec3f> scaled = scaled_positions(mesh, g.exponent);
-    std::vector<std::uint32_t> first, order;
+    std::vector<std::uint32_t> first;
+    std::vector<Place> order, other;
+    for (std::vector<Place>* places : {&order, &other}) places->reserve(mesh.triangles.size());
     run(executor, 2, [&](std::size_t task) {
         if (task == 0)
             first = mesh::weld_positions(scaled);
         else
-            order = triangles_along_curve(mesh, box);
+            order_along_curve(mesh, box, order, other);
     });
+    other = {};
     std::vector<std::uint32_t> number(first.size(), none);
     const auto number_of = [&](std::uint32_t vertex) {
         std::uint32_t& position = number[vertex];
@@ -111,14 +110,15 @@ Geometry weld(const mesh::Mesh& mesh, const Executor& executor) {
         }
         return position;
     };
+    g.points.reserve(scaled.size());
     g.triangle_of.reserve(mesh.triangles.size());
     g.faces.reserve(mesh.triangles.size());
-    for (const std::uint32_t t : order) {
-        mesh::Triangle corners = mesh.triangles[t];
+    for (const Place& place : order) {
+        mesh::Triangle corners = mesh.triangles[place.triangle];
         for (std::uint32_t& c : corners) c = first[c];
         if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
         for (std::uint32_t& c : corners) c = number_of(c);
-        g.triangle_of.push_back(t);
+        g.triangle_of.push_back(place.triangle);
         g.faces.push_back(corners);
     }
     g.position_of.resize(first.size());

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <limits>
 #include <new>
+#include <numeric>
 
 #include "common/simplify/assemble.h"
 #include "common/simplify/components.h"
@@ -16,7 +17,7 @@ namespace lodestream::simplify {
 
 namespace {
 
-constexpr std::size_t region_faces = 1u << 14;  // smaller regions have much border, larger ones leave the caches
+constexpr std::size_t region_faces = 1u << 13;  // smaller regions have much border, larger ones leave the caches
 constexpr std::size_t min_divided_faces = 1u << 13;
 constexpr double region_share = 0.3;    // of a region's triangles that are left when it is done at the latest
 constexpr double max_share_left = 0.9;  // after a round; else regions are of no use to this surface
@@ -63,6 +64,8 @@ class Recorder {
     Recorder(mesh::Mesh mesh, const RecordOptions& options)
         : options_(options), surface_(std::move(mesh), options.executor), monitor_(options, surface_.faces()) {
         in_region_.assign(surface_.positions(), 0);
+        positions_.resize(surface_.positions());
+        std::iota(positions_.begin(), positions_.end(), 0u);
     }
 
     Result<History> run() {
@@ -72,13 +75,14 @@ class Recorder {
         if (monitor_.cancelled()) return fail(ErrorCode::unavailable, "simplification was cancelled");
         surface_.end_merging();
         in_region_ = {};
+        positions_ = {};
         return assemble(surface_, std::move(logs_), options_.executor);
     }
 
   private:
-    std::vector<std::uint32_t> live_positions() const;
+    void drop_dead_positions();
     bool simplify_regions(std::size_t round);
-    float usual_cost(std::span<const std::uint32_t> positions);
+    float usual_cost();
     void simplify_region(const Regions& regions, std::size_t region, float limit, Log& log);
 
     void simplify_whole();
@@ -88,25 +92,25 @@ class Recorder {
     Surface surface_;
     Monitor monitor_;
     std::vector<Log> logs_;
+    std::vector<std::uint32_t> positions_;                              // that are left
     std::vector<std::uint8_t> in_region_;                               // of each position
     std::size_t last_faces_ = std::numeric_limits<std::size_t>::max();  // before the last round
 };
 
-std::vector<std::uint32_t> Recorder::live_positions() const {
-    std::vector<std::uint32_t> positions;
-    for (std::uint32_t p = 0; p < in_region_.size(); ++p) {
+void Recorder::drop_dead_positions() {
+    std::erase_if(positions_, [&](std::uint32_t p) {
         bool live = false;
         surface_.sheets().for_each_sheet(p, [&](VertexHandle) { live = true; });
-        if (live) positions.push_back(p);
-    }
-    return positions;
+        return !live;
+    });
+    positions_.shrink_to_fit();
 }
 
 // What most edges cost at most, by a sample of them.
-float Recorder::usual_cost(std::span<const std::uint32_t> positions) {
+float Recorder::usual_cost() {
     std::vector<float> costs;
-    for (std::size_t i = 0; i < positions.size(); i += sampled_positions)
-        surface_.sheets().for_each_sheet(positions[i], [&](VertexHandle sheet) {
+    for (std::size_t i = 0; i < positions_.size(); i += sampled_positions)
+        surface_.sheets().for_each_sheet(positions_[i], [&](VertexHandle sheet) {
             costs.push_back(key_of_cost(surface_.offer(SheetMesh::edge(surface_.sheets().outgoing(sheet))).cost));
         });
     const auto middle =
@@ -117,16 +121,16 @@ float Recorder::usual_cost(std::span<const std::uint32_t> positions) {
 
 // Returns false where the surface is too small for that.
 bool Recorder::simplify_regions(std::size_t round) {
-    const std::vector<std::uint32_t> positions = live_positions();
-    const std::size_t faces = 2 * positions.size();
+    drop_dead_positions();
+    const std::size_t faces = 2 * positions_.size();
     if (faces < min_divided_faces || static_cast<double>(faces) > max_share_left * static_cast<double>(last_faces_))
         return false;
     last_faces_ = faces;
     surface_.allow_all();
-    const float limit = usual_cost(positions);
+    const float limit = usual_cost();
     // An even number: two cores then end together.
     const std::size_t count = std::clamp<std::size_t>((faces / region_faces + 1) / 2 * 2, 2, max_regions);
-    const Regions regions = divide(positions, surface_.places(), count, round, options_.executor);
+    const Regions regions = divide(positions_, surface_.places(), count, round, options_.executor);
     const std::size_t first_log = logs_.size();
     logs_.resize(first_log + count);
     lodestream::simplify::run(options_.executor, count,
@@ -179,10 +183,10 @@ void Recorder::simplify_whole() {
     Components parts = find_components(surface_);
     std::fill(in_region_.begin(), in_region_.end(), std::uint8_t{1});
     logs_.emplace_back();
-    const std::vector<std::uint32_t> positions = live_positions();
-    logs_.back().reserve(positions.size(), surface_.wedges());
+    drop_dead_positions();
+    logs_.back().reserve(positions_.size(), surface_.wedges());
     Worker worker(surface_, logs_.back(), whole_slack);
-    worker.start(positions, in_region_, refused);
+    worker.start(positions_, in_region_, refused);
 
     std::size_t live = surface_.live_faces(), next_part = 0, merges = 0, reported = live, merges_since_retry = 0;
     auto retry_below = static_cast<std::size_t>(retry_share * static_cast<double>(live));

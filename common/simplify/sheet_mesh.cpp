@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <numeric>
+#include <utility>
 
 namespace lodestream::simplify {
 
@@ -33,41 +34,84 @@ std::uint32_t end_of(const Triangles& corners, std::uint32_t dart) {
     return start_of(corners, next_dart(dart));
 }
 
-// Calls visit(begin, end) for the darts of every undirected edge, of several edges at a time.
+// Every dart, listed at the lower of its two ends: those of position p are [first[p], first[p + 1]) of all.
+struct DartLists {
+    std::vector<std::uint32_t> first;
+    std::vector<std::uint32_t> all;
+};
+
+DartLists list_darts(const Triangles& corners, std::size_t positions, const Executor& executor) {
+    // Two halves of the triangles are counted and listed side by side, those of the first half first.
+    const std::array<std::size_t, 3> bounds{0, corners.size() / 2, corners.size()};
+    std::array<std::vector<std::uint32_t>, 2> next;
+    for (std::vector<std::uint32_t>& of_half : next) of_half.reserve(positions);
+    const auto visit_half = [&](std::size_t half, const auto& visit) {
+        for (std::size_t t = bounds[half]; t < bounds[half + 1]; ++t)
+            for (std::uint32_t k = 0; k < 3; ++k)
+                visit(std::min(corners[t][k], corners[t][k == 2 ? 0 : k + 1]), static_cast<std::uint32_t>(3 * t + k));
+    };
+    run(executor, 2, [&](std::size_t half) {
+        next[half].assign(positions, 0);
+        visit_half(half, [&](std::uint32_t low_end, std::uint32_t) { ++next[half][low_end]; });
+    });
+    DartLists lists;
+    lists.first.resize(positions + 1);
+    std::uint32_t sum = 0;
+    for (std::size_t p = 0; p < positions; ++p) {
+        lists.first[p] = sum;
+        for (std::vector<std::uint32_t>& of_half : next) {
+            const std::uint32_t count = of_half[p];
+            of_half[p] = sum;
+            sum += count;
+        }
+    }
+    lists.first[positions] = sum;
+    lists.all.resize(sum);
+    run(executor, 2, [&](std::size_t half) {
+        visit_half(half, [&](std::uint32_t low_end, std::uint32_t dart) { lists.all[next[half][low_end]++] = dart; });
+    });
+    return lists;
+}
+
+// A dart at the lower of its two ends.
+struct Spoke {
+    std::uint32_t high_end;
+    std::uint32_t dart;
+};
+
+// Calls visit(begin, end) for the spokes of every undirected edge, of several edges at a time.
 template <class Visit>
 void for_each_edge(const Triangles& corners, std::size_t positions, const Executor& executor, const Visit& visit) {
-    const auto darts = static_cast<std::uint32_t>(3 * corners.size());
-    const auto low = [&](std::uint32_t d) { return std::min(start_of(corners, d), end_of(corners, d)); };
-    const auto high = [&](std::uint32_t d) { return std::max(start_of(corners, d), end_of(corners, d)); };
-
-    std::vector<std::uint32_t> first(positions + 2, 0), sorted(darts);
-    for (std::uint32_t d = 0; d < darts; ++d) ++first[low(d) + 2];
-    std::partial_sum(first.begin(), first.end(), first.begin());
-    for (std::uint32_t d = 0; d < darts; ++d) sorted[first[low(d) + 1]++] = d;
-
-    const auto visit_edges_from = [&](std::size_t position) {
-        std::uint32_t *begin = sorted.data() + first[position], *end = sorted.data() + first[position + 1];
-        std::sort(begin, end,
-                  [&](std::uint32_t a, std::uint32_t b) { return high(a) != high(b) ? high(a) < high(b) : a < b; });
-        while (begin != end) {
-            std::uint32_t* edge_end = begin;
-            while (edge_end != end && high(*edge_end) == high(*begin)) ++edge_end;
-            visit(begin, edge_end);
-            begin = edge_end;
-        }
-    };
+    const DartLists lists = list_darts(corners, positions, executor);
     for_each_run(executor, positions, positions_per_task, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p) visit_edges_from(p);
+        std::vector<Spoke> spokes;
+        for (std::size_t p = begin; p < end; ++p) {
+            spokes.clear();
+            for (std::uint32_t i = lists.first[p]; i < lists.first[p + 1]; ++i) {
+                const std::uint32_t dart = lists.all[i];
+                spokes.push_back({std::max(start_of(corners, dart), end_of(corners, dart)), dart});
+            }
+            std::sort(spokes.begin(), spokes.end(), [](const Spoke& a, const Spoke& b) {
+                return a.high_end != b.high_end ? a.high_end < b.high_end : a.dart < b.dart;
+            });
+            const Spoke *first = spokes.data(), *last = first + spokes.size();
+            while (first != last) {
+                const Spoke* edge_end = first;
+                while (edge_end != last && edge_end->high_end == first->high_end) ++edge_end;
+                visit(first, edge_end);
+                first = edge_end;
+            }
+        }
     });
 }
 
 // Turns triangles around so that neighbours across an edge of two agree on which side is outside, where that can be.
 void orient(Triangles& corners, std::size_t positions, const Executor& executor) {
     std::vector<std::uint32_t> neighbour(3 * corners.size(), none);
-    for_each_edge(corners, positions, executor, [&](const std::uint32_t* begin, const std::uint32_t* end) {
+    for_each_edge(corners, positions, executor, [&](const Spoke* begin, const Spoke* end) {
         if (end - begin != 2) return;
-        neighbour[begin[0]] = begin[1];
-        neighbour[begin[1]] = begin[0];
+        neighbour[begin[0].dart] = begin[1].dart;
+        neighbour[begin[1].dart] = begin[0].dart;
     });
 
     std::vector<bool> seen(corners.size(), false), turned(corners.size(), false);
@@ -101,17 +145,19 @@ Vec3d unit_normal(const Triangles& corners, const std::vector<Vec3f>& points, st
 }
 
 // Pairs the darts of one edge, opposite directions only, flattest pair first.
-void pair_darts(const Triangles& corners, const std::vector<Vec3f>& points, const std::uint32_t* begin,
-                const std::uint32_t* end, std::vector<std::uint32_t>& mate) {
+void pair_darts(const Triangles& corners, const std::vector<Vec3f>& points, const Spoke* begin, const Spoke* end,
+                std::vector<std::uint32_t>& mate) {
     struct Pair {
         double flatness;
         std::uint32_t a, b;
     };
     std::vector<Pair> pairs;
-    for (const std::uint32_t* a = begin; a != end; ++a)
-        for (const std::uint32_t* b = a + 1; b != end; ++b)
-            if (start_of(corners, *a) != start_of(corners, *b))
-                pairs.push_back({dot(unit_normal(corners, points, *a), unit_normal(corners, points, *b)), *a, *b});
+    for (const Spoke* a = begin; a != end; ++a)
+        for (const Spoke* b = a + 1; b != end; ++b)
+            if (start_of(corners, a->dart) != start_of(corners, b->dart)) {
+                const Vec3d normal = unit_normal(corners, points, a->dart);
+                pairs.push_back({dot(normal, unit_normal(corners, points, b->dart)), a->dart, b->dart});
+            }
     std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) { return x.flatness > y.flatness; });
     for (const Pair& pair : pairs)
         if (mate[pair.a] == none && mate[pair.b] == none) {
@@ -122,39 +168,43 @@ void pair_darts(const Triangles& corners, const std::vector<Vec3f>& points, cons
 
 struct Pairing {
     std::vector<std::uint32_t> mate;  // of every dart the one that runs the other way beside it; none: a border
+    std::vector<std::uint8_t> knots;  // of every position: whether an edge to a higher one is no pair and no border
     bool one_way = false;             // two triangles alone at an edge run along it the same way
-    bool crowded = false;             // more than two are at an edge
+
+    bool has_knots() const { return std::find(knots.begin(), knots.end(), 1) != knots.end(); }
 };
 
 Pairing pair_all(const Triangles& corners, const std::vector<Vec3f>& points, const Executor& executor) {
     std::vector<std::uint32_t> mate(3 * corners.size(), none);
-    std::atomic<bool> one_way{false}, crowded{false};
-    for_each_edge(corners, points.size(), executor, [&](const std::uint32_t* begin, const std::uint32_t* end) {
+    std::vector<std::uint8_t> knots(points.size(), 0);
+    std::atomic<bool> one_way{false};
+    for_each_edge(corners, points.size(), executor, [&](const Spoke* begin, const Spoke* end) {
         const auto count = static_cast<std::size_t>(end - begin);
-        if (count == 2 && start_of(corners, begin[0]) != start_of(corners, begin[1])) {
-            mate[begin[0]] = begin[1];
-            mate[begin[1]] = begin[0];
-        } else if (count == 2) {
-            one_way = true;
-        } else if (count > 2) {
-            crowded = true;
-            if (count <= max_paired_at_edge) pair_darts(corners, points, begin, end, mate);
+        const std::uint32_t from = start_of(corners, begin->dart);
+        if (count == 1) return;
+        if (count == 2 && from != start_of(corners, begin[1].dart)) {
+            mate[begin[0].dart] = begin[1].dart;
+            mate[begin[1].dart] = begin[0].dart;
+            return;
         }
+        knots[from == begin->high_end ? end_of(corners, begin->dart) : from] = 1;
+        if (count == 2)
+            one_way = true;
+        else if (count <= max_paired_at_edge)
+            pair_darts(corners, points, begin, end, mate);
     });
-    return {std::move(mate), one_way, crowded};
+    return {std::move(mate), std::move(knots), one_way};
 }
 
 std::size_t edge_count(const std::vector<std::uint32_t>& mate) {
     return (mate.size() + static_cast<std::size_t>(std::count(mate.begin(), mate.end(), none))) / 2;
 }
 
-// Of every dart; the opposite one is its mate's, or open.
-std::vector<int> inner_halfedges(const std::vector<std::uint32_t>& mate) {
-    std::vector<int> halfedge(mate.size());
-    int edges = 0;
+// Turns every dart's mate into the dart's half-edge; the opposite one is its mate's, or open.
+void number_halfedges(std::vector<std::uint32_t>& mate) {
+    std::uint32_t edges = 0;
     for (std::uint32_t d = 0; d < mate.size(); ++d)
-        halfedge[d] = mate[d] != none && mate[d] < d ? halfedge[mate[d]] + 1 : 2 * edges++;
-    return halfedge;
+        mate[d] = mate[d] != none && mate[d] < d ? mate[mate[d]] + 1 : 2 * edges++;
 }
 
 // The first dart of the fan around a dart's start: the one at its border, or `dart` itself in a closed fan.
@@ -176,51 +226,56 @@ void walk_fan(const std::vector<std::uint32_t>& mate, std::uint32_t first, Visit
     } while (d != none && d != first);
 }
 
-// Whether all triangles around each position are one fan.
-bool has_one_fan_each(const Triangles& corners, const std::vector<std::uint32_t>& mate, std::size_t positions,
-                      const Executor& executor) {
+// One sheet for each fan: of every dart's start.
+struct Fans {
+    std::vector<std::uint32_t> sheet;     // of every dart's start
+    std::vector<std::uint32_t> position;  // of every sheet: the first ones are those of the positions' numbers
+};
+
+// The first fan of each position has the number of the position, and a position without triangles an idle one.
+Fans number_fans(const Triangles& corners, const std::vector<std::uint32_t>& mate, std::size_t positions,
+                 const Executor& executor) {
+    Fans fans;
+    fans.sheet.assign(mate.size(), none);
+    fans.position.resize(positions);
+    std::iota(fans.position.begin(), fans.position.end(), 0u);
+    const auto number = [&](std::uint32_t dart, std::uint32_t sheet) {
+        walk_fan(mate, first_of_fan(mate, dart), [&](std::uint32_t in_fan) { fans.sheet[in_fan] = sheet; });
+    };
     std::vector<std::uint32_t> dart_at(positions, none);
-    for (std::uint32_t d = 0; d < mate.size(); ++d) dart_at[start_of(corners, d)] = d;
-    std::vector<std::uint8_t> seen(mate.size(), 0);
+    for (std::size_t t = corners.size(); t-- > 0;)
+        for (std::uint32_t k = 0; k < 3; ++k) dart_at[corners[t][k]] = static_cast<std::uint32_t>(3 * t + k);
     for_each_run(executor, positions, positions_per_task, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p)
-            if (dart_at[p] != none)
-                walk_fan(mate, first_of_fan(mate, dart_at[p]), [&](std::uint32_t in_fan) { seen[in_fan] = 1; });
+        for (auto p = static_cast<std::uint32_t>(begin); p < end; ++p)
+            if (dart_at[p] != none) number(dart_at[p], p);
     });
-    return std::find(seen.begin(), seen.end(), 0) == seen.end();
-}
-
-// One sheet for each fan; the sheet of dart d's start.
-std::vector<std::uint32_t> number_fans(const std::vector<std::uint32_t>& mate, std::uint32_t& sheets) {
-    std::vector<std::uint32_t> sheet(mate.size(), none);
-    sheets = 0;
     for (std::uint32_t d = 0; d < mate.size(); ++d) {
-        if (sheet[d] != none) continue;
-        walk_fan(mate, first_of_fan(mate, d), [&](std::uint32_t in_fan) { sheet[in_fan] = sheets; });
-        ++sheets;
+        if (fans.sheet[d] != none) continue;
+        number(d, static_cast<std::uint32_t>(fans.position.size()));
+        fans.position.push_back(start_of(corners, d));
     }
-    return sheet;
+    return fans;
 }
 
-// A half-edge structure has at most one edge between two vertices. Triangles at a second one become sheets of their
-// own.
-bool isolate_double_edges(std::vector<std::uint32_t>& mate, const std::vector<std::uint32_t>& sheet,
-                          std::uint32_t sheets) {
-    std::vector<std::uint32_t> seen(sheets, none), seen_dart(sheets, none), isolated;
-    std::vector<bool> done(sheets, false);
+// A half-edge structure has at most one edge between two vertices. Triangles at a second one, which starts at a knot,
+// become sheets of their own. Returns whether there are any.
+bool isolate_double_edges(Pairing& pairing, const Fans& fans) {
+    std::vector<std::uint32_t>& mate = pairing.mate;
+    std::vector<std::uint8_t> unseen(fans.position.size());
+    for (std::size_t s = 0; s < unseen.size(); ++s) unseen[s] = pairing.knots[fans.position[s]];
+    std::vector<std::uint32_t> isolated;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> met;  // around one sheet: another, triangle
     for (std::uint32_t d = 0; d < mate.size(); ++d) {
-        const std::uint32_t at = sheet[d];
-        if (done[at]) continue;
-        done[at] = true;
-        const auto meet = [&](std::uint32_t neighbour, std::uint32_t dart) {
-            if (seen[neighbour] == at) isolated.insert(isolated.end(), {dart / 3, seen_dart[neighbour] / 3});
-            seen[neighbour] = at;
-            seen_dart[neighbour] = dart;
-        };
+        if (!unseen[fans.sheet[d]]) continue;
+        unseen[fans.sheet[d]] = 0;
+        met.clear();
         walk_fan(mate, first_of_fan(mate, d), [&](std::uint32_t in_fan) {
-            meet(sheet[next_dart(in_fan)], in_fan);
-            if (mate[previous_dart(in_fan)] == none) meet(sheet[previous_dart(in_fan)], in_fan);
+            met.emplace_back(fans.sheet[next_dart(in_fan)], in_fan / 3);
+            if (mate[previous_dart(in_fan)] == none) met.emplace_back(fans.sheet[previous_dart(in_fan)], in_fan / 3);
         });
+        std::sort(met.begin(), met.end());
+        for (std::size_t i = 1; i < met.size(); ++i)
+            if (met[i].first == met[i - 1].first) isolated.insert(isolated.end(), {met[i - 1].second, met[i].second});
     }
     for (const std::uint32_t triangle : isolated)
         for (std::uint32_t d = 3 * triangle; d < 3 * triangle + 3; ++d)
@@ -243,75 +298,62 @@ SheetMesh::SheetMesh(const Triangles& corners, const std::vector<Vec3f>& points,
         pairing = pair_all(turned, points, executor);
         oriented = &turned;
     }
-    std::vector<std::uint32_t>& mate = pairing.mate;
-    if (!pairing.one_way && !pairing.crowded && has_one_fan_each(*oriented, mate, points.size(), executor)) {
-        build(points.size(), mate, executor, [&](std::uint32_t d) { return start_of(*oriented, d); });
-        return;
-    }
-    std::uint32_t sheets = 0;
-    std::vector<std::uint32_t> sheet_of_dart = number_fans(mate, sheets);
-    while (isolate_double_edges(mate, sheet_of_dart, sheets)) sheet_of_dart = number_fans(mate, sheets);
-    place_sheets(*oriented, sheet_of_dart, points.size(), sheets);
+    Fans fans = number_fans(*oriented, pairing.mate, points.size(), executor);
+    if (pairing.has_knots())
+        while (isolate_double_edges(pairing, fans))
+            fans = number_fans(*oriented, pairing.mate, points.size(), executor);
     turned = {};
-    build(sheets, mate, executor, [&](std::uint32_t d) { return sheet_of_dart[d]; });
+    positions_ = static_cast<std::uint32_t>(points.size());
+    for (std::uint32_t s = positions_; s < fans.position.size(); ++s) list_further(s - positions_, fans.position[s]);
+    build(fans.position.size(), std::move(pairing.mate), fans.sheet, executor);
 }
 
-void SheetMesh::place_sheets(const Triangles& corners, const std::vector<std::uint32_t>& sheet_of_dart,
-                             std::size_t positions, std::size_t sheets) {
-    simple_ = false;
-    sheet_position_.assign(sheets, none);
-    for (std::uint32_t d = 0; d < sheet_of_dart.size(); ++d) sheet_position_[sheet_of_dart[d]] = start_of(corners, d);
-    first_sheet_.assign(positions, none);
-    next_sheet_.assign(sheets, none);
-    for (std::uint32_t s = 0; s < sheets; ++s) {
-        next_sheet_[s] = first_sheet_[sheet_position_[s]];
-        first_sheet_[sheet_position_[s]] = s;
-    }
+// pre: i is in no list, or the next number.
+void SheetMesh::list_further(std::uint32_t i, std::uint32_t position) {
+    if (first_further_.empty()) first_further_.assign(positions_, none);
+    if (i == further_.size()) further_.emplace_back();
+    further_[i] = {position, first_further_[position]};
+    first_further_[position] = i;
 }
 
-// From now on any position may have any sheets.
-void SheetMesh::list_sheets() {
-    if (!simple_) return;
-    simple_ = false;
-    sheet_position_.resize(connectivity_.n_vertices());
-    std::iota(sheet_position_.begin(), sheet_position_.end(), 0u);
-    first_sheet_ = sheet_position_;
-    next_sheet_.assign(sheet_position_.size(), none);
-}
-
-// `sheet_at(d)`: that of dart d's start.
-template <class SheetAt>
-void SheetMesh::build(std::size_t sheets, const std::vector<std::uint32_t>& mate, const Executor& executor,
-                      const SheetAt& sheet_at) {
-    std::vector<int> halfedge;
+// `sheet_of_dart`: of every dart's start.
+void SheetMesh::build(std::size_t sheets, std::vector<std::uint32_t> mate,
+                      const std::vector<std::uint32_t>& sheet_of_dart, const Executor& executor) {
+    const std::size_t edges = edge_count(mate);
+    std::vector<std::uint32_t>& halfedge = mate;
+    connectivity_.reserve(sheets, edges, mate.size() / 3);
     run(executor, 2, [&](std::size_t task) {
         if (task == 0)
-            connectivity_.resize(sheets, edge_count(mate), mate.size() / 3);
+            connectivity_.resize(sheets, edges, mate.size() / 3);
         else
-            halfedge = inner_halfedges(mate);
+            number_halfedges(mate);
     });
-    const auto inner = [&](std::uint32_t d) { return HalfedgeHandle(halfedge[d]); };
-    const auto outer = [&](std::uint32_t d) { return HalfedgeHandle(halfedge[d] + 1); };
-    const auto sheet = [&](std::uint32_t d) { return VertexHandle(static_cast<int>(sheet_at(d))); };
-    for_each_run(executor, mate.size() / 3, faces_per_task, [&](std::size_t begin, std::size_t end) {
+    const auto inner = [&](std::uint32_t d) { return HalfedgeHandle(static_cast<int>(halfedge[d])); };
+    const auto sheet = [&](std::uint32_t d) { return VertexHandle(static_cast<int>(sheet_of_dart[d])); };
+    for_each_run(executor, halfedge.size() / 3, faces_per_task, [&](std::size_t begin, std::size_t end) {
         for (auto d = static_cast<std::uint32_t>(3 * begin); d < 3 * end; ++d) {
             const FaceHandle face(static_cast<int>(d / 3));
             connectivity_.set_vertex_handle(inner(d), sheet(next_dart(d)));
             connectivity_.set_face_handle(inner(d), face);
-            connectivity_.set_next_halfedge_handle(inner(d), inner(next_dart(d)));
+            link(inner(d), inner(next_dart(d)));
             if (d % 3 == 0) connectivity_.set_halfedge_handle(face, inner(d));
         }
     });
-    for (std::uint32_t d = 0; d < mate.size(); ++d) connectivity_.set_halfedge_handle(sheet(d), inner(d));
-    for (std::uint32_t d = 0; d < mate.size(); ++d) {
-        if (mate[d] != none) continue;
-        std::uint32_t last = d;
-        walk_fan(mate, d, [&](std::uint32_t in_fan) { last = in_fan; });
-        const HalfedgeHandle following = outer(previous_dart(last));
-        connectivity_.set_vertex_handle(outer(d), sheet(d));
-        connectivity_.set_boundary(outer(d));
-        connectivity_.set_next_halfedge_handle(outer(d), following);
-        connectivity_.set_halfedge_handle(sheet(d), following);
+    for (std::uint32_t d = 0; d < halfedge.size(); ++d) {
+        connectivity_.set_halfedge_handle(sheet(d), inner(d));
+        if (is_open(opposite(inner(d)))) connectivity_.set_vertex_handle(opposite(inner(d)), sheet(d));
+    }
+    link_borders();
+}
+
+void SheetMesh::link_borders() {
+    for (std::size_t i = 0; i < connectivity_.n_halfedges(); ++i) {
+        const HalfedgeHandle border(static_cast<int>(i));
+        if (!is_open(border)) continue;
+        HalfedgeHandle following = opposite(border);  // turned around the border's end, to the other border there
+        while (!is_open(following)) following = opposite(previous(following));
+        link(border, following);
+        connectivity_.set_halfedge_handle(to_sheet(border), following);
     }
 }
 
@@ -454,33 +496,33 @@ void SheetMesh::cut_out(VertexHandle sheet, std::uint32_t target) {
     for (const FaceHandle f : gone) take_out_face(f);
 }
 
-void SheetMesh::move(std::uint32_t sheet, std::uint32_t target) {
-    list_sheets();
-    sheet_position_[sheet] = target;
-    next_sheet_[sheet] = first_sheet_[target];
-    first_sheet_[target] = sheet;
+// Gives a position's first sheet a further number; it is in no list.
+VertexHandle SheetMesh::renamed(VertexHandle sheet) {
+    const VertexHandle further = connectivity_.new_vertex();
+    connectivity_.set_halfedge_handle(further, outgoing(sheet));
+    connectivity_.set_halfedge_handle(sheet, HalfedgeHandle());
+    for_each_outgoing(further, [&](HalfedgeHandle h) { connectivity_.set_vertex_handle(opposite(h), further); });
+    return further;
 }
 
 void SheetMesh::merge(std::uint32_t source, std::uint32_t target) {
     const auto merge_sheet = [&](VertexHandle sheet) {
+        if (!outgoing(sheet).is_valid()) return;
         const HalfedgeHandle edge = manifold_edge(sheet, target, false);
         if (edge.is_valid()) return collapse(edge);
         cut_out(sheet, target);
-        if (outgoing(sheet).is_valid()) move(index_of(sheet), target);
+        if (!outgoing(sheet).is_valid()) return;
+        const VertexHandle moved = index_of(sheet) < positions_ ? renamed(sheet) : sheet;
+        list_further(index_of(moved) - positions_, target);
     };
-    if (simple_) {
-        const VertexHandle sheet(static_cast<int>(source));
-        if (outgoing(sheet).is_valid()) merge_sheet(sheet);
-        if (!simple_) first_sheet_[source] = none;
-        return;
+    std::uint32_t i = none;
+    if (has_further(source)) std::swap(i, first_further_[source]);
+    merge_sheet(own_sheet(source));
+    while (i != none) {
+        const std::uint32_t following = further_[i].next;
+        merge_sheet(further_sheet(i));
+        i = following;
     }
-    std::uint32_t following = none;
-    for (std::uint32_t s = first_sheet_[source]; s != none; s = following) {
-        following = next_sheet_[s];
-        const VertexHandle sheet(static_cast<int>(s));
-        if (outgoing(sheet).is_valid()) merge_sheet(sheet);
-    }
-    first_sheet_[source] = none;
 }
 
 }  // namespace lodestream::simplify

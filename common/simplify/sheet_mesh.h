@@ -37,7 +37,8 @@ class SheetMesh {
     bool is_live(FaceHandle f) const { return connectivity_.halfedge_handle(f).is_valid(); }
 
     std::uint32_t position(VertexHandle sheet) const {
-        return simple_ ? index_of(sheet) : sheet_position_[index_of(sheet)];
+        const std::uint32_t s = index_of(sheet);
+        return s < positions_ ? s : further_[s - positions_].position;
     }
     std::uint32_t from(HalfedgeHandle h) const { return to(opposite(h)); }
     std::uint32_t to(HalfedgeHandle h) const { return position(to_sheet(h)); }
@@ -52,11 +53,7 @@ class SheetMesh {
     static HalfedgeHandle opposite(HalfedgeHandle h) { return HalfedgeHandle(h.idx() ^ 1); }
     static EdgeHandle edge(HalfedgeHandle h) { return EdgeHandle(h.idx() >> 1); }
 
-    bool has_one_sheet(std::uint32_t at) const {
-        if (simple_) return outgoing(VertexHandle(static_cast<int>(at))).is_valid();
-        const std::uint32_t first = first_sheet_[at];
-        return first != none && next_sheet_[first] == none;
-    }
+    bool has_one_sheet(std::uint32_t at) const { return outgoing(own_sheet(at)).is_valid() && !has_further(at); }
     // Whether any sheet here has an open border.
     bool is_on_border(std::uint32_t at) const {
         bool open = false;
@@ -66,15 +63,12 @@ class SheetMesh {
 
     template <class Visit>
     void for_each_sheet(std::uint32_t at, Visit visit) const {
-        if (simple_) {
-            const VertexHandle sheet(static_cast<int>(at));
+        const auto visit_live = [&](VertexHandle sheet) {
             if (outgoing(sheet).is_valid()) visit(sheet);
-            return;
-        }
-        for (std::uint32_t s = first_sheet_[at]; s != none; s = next_sheet_[s]) {
-            const VertexHandle sheet(static_cast<int>(s));
-            if (outgoing(sheet).is_valid()) visit(sheet);
-        }
+        };
+        visit_live(own_sheet(at));
+        if (!has_further(at)) return;
+        for (std::uint32_t i = first_further_[at]; i != none; i = further_[i].next) visit_live(further_sheet(i));
     }
     template <class Visit>
     void for_each_outgoing(VertexHandle sheet, Visit visit) const {
@@ -105,13 +99,14 @@ class SheetMesh {
     void merge(std::uint32_t source, std::uint32_t target);
 
   private:
-    void place_sheets(const std::vector<mesh::Triangle>& corners, const std::vector<std::uint32_t>& sheet_of_dart,
-                      std::size_t positions, std::size_t sheets);
-    template <class SheetAt>
-    void build(std::size_t sheets, const std::vector<std::uint32_t>& mate, const Executor& executor,
-               const SheetAt& sheet_at);
-    void list_sheets();
-    void move(std::uint32_t sheet, std::uint32_t target);
+    void build(std::size_t sheets, std::vector<std::uint32_t> mate, const std::vector<std::uint32_t>& sheet_of_dart,
+               const Executor& executor);
+    void link_borders();
+    static VertexHandle own_sheet(std::uint32_t position) { return VertexHandle(static_cast<int>(position)); }
+    VertexHandle further_sheet(std::uint32_t i) const { return VertexHandle(static_cast<int>(positions_ + i)); }
+    bool has_further(std::uint32_t at) const { return !first_further_.empty() && first_further_[at] != none; }
+    void list_further(std::uint32_t i, std::uint32_t position);
+    VertexHandle renamed(VertexHandle sheet);
     bool dangles(HalfedgeHandle h) const;
     bool shares_other_neighbours(VertexHandle a, VertexHandle b, VertexHandle left, VertexHandle right) const;
 
@@ -123,10 +118,14 @@ class SheetMesh {
     void cut_out(VertexHandle sheet, std::uint32_t target);
 
     OpenMesh::TriConnectivity connectivity_;
-    bool simple_ = true;                         // each position has the one sheet of its number; no lists then
-    std::vector<std::uint32_t> sheet_position_;  // of each OpenMesh vertex
-    std::vector<std::uint32_t> first_sheet_;     // of each position, a list through next_sheet_
-    std::vector<std::uint32_t> next_sheet_;
+    // A position's first sheet has its number. The others come after those, in lists.
+    struct Further {
+        std::uint32_t position;
+        std::uint32_t next;  // of further_; none: the last one
+    };
+    std::uint32_t positions_ = 0;
+    std::vector<Further> further_;
+    std::vector<std::uint32_t> first_further_;  // of each position, of further_; empty: none has any
 };
 
 }  // namespace lodestream::simplify

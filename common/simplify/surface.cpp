@@ -27,6 +27,10 @@ constexpr std::size_t max_step_wedges = Log::max_deaths / 2;
 // An end of the edge that costs no more than this above the minimum (of the area times the squared length) is taken.
 constexpr double end_tolerance = 1e-9;
 
+constexpr double squared(double x) {
+    return x * x;
+}
+
 constexpr std::uint16_t saturated(std::size_t count) {
     return static_cast<std::uint16_t>(std::min<std::size_t>(count, 0xffff));
 }
@@ -47,11 +51,6 @@ Surface::Surface(mesh::Mesh mesh, const Executor& executor) {
     mesh.texture_coordinates = {};
     mesh.colors = {};
     const bool one_wedge_each = wedges_.size() == points_.size();
-    if (!one_wedge_each) {
-        position_of_wedge_.resize(wedges_.size());
-        for (std::size_t v = 0; v < g.position_of.size(); ++v)
-            position_of_wedge_[wedge_of_vertex[v]] = g.position_of[v];
-    }
     g.position_of = {};
 
     std::vector<mesh::Triangle> corners;  // positions, where they are not wedges
@@ -81,11 +80,12 @@ Surface::Surface(mesh::Mesh mesh, const Executor& executor) {
 void Surface::prepare_positions(const Executor& executor) {
     live_.assign(faces(), 1);
     seam_.assign(positions(), 0);
-    if (!position_of_wedge_.empty())
+    if (wedges_.has_seams())
         for (std::uint32_t p = 0; p < seam_.size(); ++p) seam_[p] = wedges_.has_seam(p);
     held_.assign(positions(), 0);
     keys_.assign(positions(), 0.0f);
     rules_.assign(sheets_->edges(), 0);
+    forms_.reserve(positions());
     run(executor, 2, [&](std::size_t task) {
         if (task == 0) return weigh_normals();
         forms_.resize(positions());
@@ -110,10 +110,6 @@ void Surface::end_merging() {
     keys_ = {};
     rules_ = {};
     wedges_.end_merging();
-}
-
-std::uint32_t Surface::position_of_wedge(std::uint32_t wedge) const {
-    return position_of_wedge_.empty() ? wedge : position_of_wedge_[wedge];
 }
 
 std::size_t Surface::live_faces() const {
@@ -184,12 +180,11 @@ void Surface::sum_form(std::uint32_t position) {
 
 // Twice the area vector of the triangles that both ends of an edge have in common.
 Vec3d Surface::shared_area(HalfedgeHandle h) const {
-    const Vec3d from = point(sheets_->from(h)), side = point(sheets_->to(h)) - from;
     const HalfedgeHandle back = SheetMesh::opposite(h);
-    Vec3d sum{0.0};
-    if (!sheets_->is_open(h)) sum += cross(side, point(sheets_->apex(h)) - from);
-    if (!sheets_->is_open(back)) sum -= cross(side, point(sheets_->apex(back)) - from);
-    return sum;
+    const std::uint32_t from = sheets_->from(h);
+    const std::uint32_t left = sheets_->is_open(h) ? from : sheets_->apex(h);
+    const std::uint32_t right = sheets_->is_open(back) ? from : sheets_->apex(back);
+    return cross(point(sheets_->to(h)) - point(from), point(left) - point(right));
 }
 
 Merge Surface::at_end(HalfedgeHandle h, const Rules& rules, double cost, double area) const {
@@ -313,12 +308,14 @@ bool Surface::keeps_shape(const Scratch::Corner& c, const Vec3d& new_apex) const
     const double base = dot(b - a, b - a);
     const double old_longest = std::max({base, dot(a - old_apex, a - old_apex), dot(b - old_apex, b - old_apex)});
     const double new_longest = std::max({base, dot(a - new_apex, a - new_apex), dot(b - new_apex, b - new_apex)});
-    const double old_size = length(old_cross), new_size = length(new_cross);
+    const double old_size2 = dot(old_cross, old_cross), new_size2 = dot(new_cross, new_cross);
 
-    if (old_size <= degenerate_height * old_longest) return true;
-    if (new_size <= degenerate_height * new_longest) return false;
-    if (dot(old_cross, new_cross) < min_turn_cosine * old_size * new_size) return false;
-    return new_size > sliver_height * new_longest || new_size * old_longest >= 0.5 * old_size * new_longest;
+    if (old_size2 <= squared(degenerate_height * old_longest)) return true;
+    if (new_size2 <= squared(degenerate_height * new_longest)) return false;
+    const double turn = dot(old_cross, new_cross);
+    if (turn <= 0 || turn * turn < squared(min_turn_cosine) * old_size2 * new_size2) return false;
+    if (new_size2 > squared(sliver_height * new_longest)) return true;
+    return new_size2 * squared(old_longest) >= 0.25 * old_size2 * squared(new_longest);
 }
 
 // Whether the triangle stays the same way round in the texture.
@@ -345,11 +342,11 @@ bool Surface::find_partners(std::uint32_t source, std::uint32_t target, const Ru
     s.used.clear();
     const Wedges::Range here = wedges_.at(source), there = wedges_.at(target);
     if (here.size() == 1 && there.size() == 1) {
-        s.used.push_back(here.first);
-        s.partners.push_back({here.first, there.first});
+        s.used.push_back(here.own());
+        s.partners.push_back({here.own(), there.own()});
         return true;
     }
-    for (std::uint32_t w = here.first; w < here.last; ++w)
+    for (const std::uint32_t w : here)
         if (wedges_.is_used(w)) s.used.push_back(w);
     return wedges_.find_partners(s.used, target, s.told, rules.seams, s.partners);
 }
@@ -396,8 +393,7 @@ void Surface::set_nearest(const Merge& merge, std::uint32_t wedge, const Scratch
 void Surface::find_changes(const Merge& merge, std::uint32_t target, Scratch& s) const {
     s.changes.clear();
     if (merge.point == points_[target]) return;
-    const Wedges::Range there = wedges_.at(target);
-    for (std::uint32_t w = there.first; w < there.last; ++w) {
+    for (const std::uint32_t w : wedges_.at(target)) {
         if (!wedges_.is_used(w)) continue;
         Attributes attributes = wedges_.attributes(w);
         for (const Wedges::Pair& pair : s.partners)

@@ -58,7 +58,7 @@ class Surface {
     const SheetMesh& sheets() const { return *sheets_; }  // pre: merging has not ended
     const Wedges& wedges() const { return wedges_; }
     const mesh::Triangle& face_wedges(std::uint32_t face) const { return face_wedges_[face]; }
-    std::uint32_t position_of_wedge(std::uint32_t wedge) const;
+    std::uint32_t position_of_wedge(std::uint32_t wedge) const { return wedges_.position(wedge); }
     bool is_live(std::uint32_t face) const { return live_[face] != 0; }
     std::size_t live_faces() const;  // O(faces)
     double area(std::uint32_t face) const;
@@ -133,8 +133,7 @@ class Surface {
     void touch(std::uint32_t position);
 
     int exponent_ = 0;
-    std::vector<Vec3f> points_;                     // of each position, scaled
-    std::vector<std::uint32_t> position_of_wedge_;  // empty: of the same number
+    std::vector<Vec3f> points_;  // of each position, scaled
     std::optional<SheetMesh> sheets_;
     Wedges wedges_;
     std::vector<mesh::Triangle> face_wedges_;    // of each face, in the corner order of the source's triangle

@@ -6,12 +6,13 @@
 #include <limits>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 namespace lodestream::simplify {
 
 namespace {
 
-constexpr std::uint32_t no_wedge = 0xffffffffu;
+constexpr std::uint32_t none = 0xffffffffu;
 constexpr float texture_tolerance = 1e-5f;  // of the texture's width
 constexpr int color_tolerance = 2;          // of 255
 constexpr double other_material = 1e6;      // a foreign material is worse than any other attribute
@@ -35,13 +36,21 @@ Vec3f joined_normal(const Vec3f& a, const Vec3f& b) {
 
 Wedges::Wedges(const mesh::Mesh& mesh, const std::vector<std::uint32_t>& positions, std::uint32_t count,
                std::vector<std::uint32_t>& wedge_of_vertex)
-    : size_(positions.size()), uses_(positions.size(), 0) {
+    : size_(positions.size()), positions_(count), uses_(positions.size(), 0) {
     first_.assign(count + 1, 0);
-    for (const std::uint32_t p : positions) ++first_[p + 1];
-    std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    for (const std::uint32_t p : positions) ++first_[p];
+    std::uint32_t end = count;
+    for (std::uint32_t p = 0; p < count; ++p) first_[p] = std::exchange(end, end + first_[p] - 1);
+    first_[count] = end;
+    std::vector<std::uint32_t> next(count, none);
+    further_position_.resize(size_ - count);
     wedge_of_vertex.resize(positions.size());
-    for (std::uint32_t v = 0; v < positions.size(); ++v) wedge_of_vertex[v] = next[positions[v]]++;
+    for (std::uint32_t v = 0; v < positions.size(); ++v) {
+        const std::uint32_t p = positions[v];
+        wedge_of_vertex[v] = next[p] == none ? p : next[p];
+        next[p] = next[p] == none ? first_[p] : next[p] + 1;
+        if (wedge_of_vertex[v] >= count) further_position_[wedge_of_vertex[v] - count] = p;
+    }
     next = {};
 
     normals_ = reordered(mesh.normals, wedge_of_vertex);
@@ -54,11 +63,11 @@ Wedges::Wedges(const mesh::Mesh& mesh, const std::vector<std::uint32_t>& positio
     }
     if (positions.size() == count)
         first_ = {};
-    else
-        find_groups(count);
+    else if (!texture_coordinates_.empty() || !colors_.empty() || !material_.empty())
+        find_groups();
 }
 
-void Wedges::find_groups(std::uint32_t positions) {
+void Wedges::find_groups() {
     const auto key = [&](std::uint32_t w) {
         const Vec2f uv = texture_coordinates_.empty() ? Vec2f{0.0f} : texture_coordinates_[w] + Vec2f{0.0f};
         const Rgba8 color = colors_.empty() ? Rgba8{0} : colors_[w];
@@ -68,11 +77,10 @@ void Wedges::find_groups(std::uint32_t positions) {
     group_.resize(uses_.size());
     std::iota(group_.begin(), group_.end(), 0u);
     std::vector<std::uint32_t> sorted;
-    for (std::uint32_t p = 0; p < positions; ++p) {
-        const Range here = at(p);
-        if (here.size() < 2) continue;
-        sorted.resize(here.size());
-        std::iota(sorted.begin(), sorted.end(), here.first);
+    for (std::uint32_t p = 0; p < positions_; ++p) {
+        if (at(p).size() < 2) continue;
+        sorted.clear();
+        for (const std::uint32_t wedge : at(p)) sorted.push_back(wedge);
         std::stable_sort(sorted.begin(), sorted.end(), [&](auto a, auto b) { return key(a) < key(b); });
         for (std::size_t i = 1; i < sorted.size(); ++i)
             if (key(sorted[i]) == key(sorted[i - 1])) group_[sorted[i]] = group_[sorted[i - 1]];
@@ -80,9 +88,8 @@ void Wedges::find_groups(std::uint32_t positions) {
 }
 
 bool Wedges::has_seam(std::uint32_t position) const {
-    const Range here = at(position);
-    for (std::uint32_t w = here.first; w < here.last; ++w)
-        if (group(w) != group(here.first)) return true;
+    for (const std::uint32_t wedge : at(position))
+        if (group(wedge) != group(position)) return true;
     return false;
 }
 
@@ -155,12 +162,12 @@ double Wedges::attribute_distance(std::uint32_t a, std::uint32_t b) const {
 }
 
 std::uint32_t Wedges::nearest(std::uint32_t wedge, Range candidates) const {
-    std::uint32_t best = no_wedge;
+    std::uint32_t best = none;
     double best_distance = std::numeric_limits<double>::infinity();
-    for (std::uint32_t candidate = candidates.first; candidate < candidates.last; ++candidate) {
+    for (const std::uint32_t candidate : candidates) {
         if (!is_used(candidate)) continue;
         const double distance = attribute_distance(wedge, candidate);
-        if (best != no_wedge && !(distance < best_distance)) continue;
+        if (best != none && !(distance < best_distance)) continue;
         best = candidate;
         best_distance = distance;
     }
@@ -168,24 +175,24 @@ std::uint32_t Wedges::nearest(std::uint32_t wedge, Range candidates) const {
 }
 
 // The candidate, nearest in normal, that goes on where the group of `wedge` is told to go; else one that agrees with
-// `wedge` itself; no_wedge if there is none or the told pairs tear the group apart.
+// `wedge` itself; none if there is none or the told pairs tear the group apart.
 std::uint32_t Wedges::partner_in_group(std::uint32_t wedge, Range candidates, const std::vector<Pair>& told) const {
-    std::uint32_t told_group = no_wedge, best = no_wedge;
+    std::uint32_t told_group = none, best = none;
     double best_distance = std::numeric_limits<double>::infinity();
     const auto consider = [&](std::uint32_t candidate, double distance) {
-        if (best != no_wedge && !(distance < best_distance)) return;
+        if (best != none && !(distance < best_distance)) return;
         best = candidate;
         best_distance = distance;
     };
     for (const Pair& pair : told) {
         if (group(pair.from) != group(wedge)) continue;
-        if (told_group != no_wedge && group(pair.to) != told_group) return no_wedge;
+        if (told_group != none && group(pair.to) != told_group) return none;
         told_group = group(pair.to);
         if (pair.from == wedge) consider(pair.to, normal_distance(wedge, pair.to));
     }
-    if (best != no_wedge) return best;
-    for (std::uint32_t candidate = candidates.first; candidate < candidates.last; ++candidate)
-        if (is_used(candidate) && (told_group != no_wedge ? group(candidate) == told_group : agree(wedge, candidate)))
+    if (best != none) return best;
+    for (const std::uint32_t candidate : candidates)
+        if (is_used(candidate) && (told_group != none ? group(candidate) == told_group : agree(wedge, candidate)))
             consider(candidate, normal_distance(wedge, candidate));
     return best;
 }
@@ -194,10 +201,10 @@ bool Wedges::find_partners(const std::vector<std::uint32_t>& used, std::uint32_t
                            bool keep_seams, std::vector<Pair>& partners) const {
     for (const std::uint32_t wedge : used) {
         std::uint32_t partner = partner_in_group(wedge, at(target), told);
-        if (partner == no_wedge) {
+        if (partner == none) {
             if (keep_seams) return false;
             partner = nearest(wedge, at(target));
-            if (partner == no_wedge) return false;
+            if (partner == none) return false;
         }
         partners.push_back({wedge, partner});
     }

@@ -21,23 +21,46 @@ struct Attributes {
 class Wedges {
   public:
     Wedges() = default;
-    // `positions`: of every vertex of the mesh its position's number, below `count`. Wedges are numbered by position;
-    // `wedge_of_vertex` is filled with their numbers.
+    // `positions`: of every vertex of the mesh its position's number, below `count`; each is some vertex's.
+    // `wedge_of_vertex` is filled with the wedges' numbers: the first of a position has the position's, the others come
+    // after those, in the order of their positions.
     Wedges(const mesh::Mesh& mesh, const std::vector<std::uint32_t>& positions, std::uint32_t count,
            std::vector<std::uint32_t>& wedge_of_vertex);
 
-    struct Range {
-        std::uint32_t first, last;
-        std::uint32_t size() const { return last - first; }
+    // The wedges of one position.
+    class Range {
+      public:
+        struct Iterator {
+            std::uint32_t wedge, next;
+            std::uint32_t operator*() const { return wedge; }
+            Iterator& operator++() {
+                wedge = next++;
+                return *this;
+            }
+            bool operator!=(const Iterator& o) const { return next != o.next; }
+        };
+        Range(std::uint32_t own, std::uint32_t further, std::uint32_t end) : own_(own), further_(further), end_(end) {}
+        std::uint32_t own() const { return own_; }
+        std::uint32_t size() const { return end_ - further_ + 1; }
+        Iterator begin() const { return {own_, further_}; }
+        Iterator end() const { return {end_, end_ + 1}; }
+
+      private:
+        std::uint32_t own_, further_, end_;
     };
     Range at(std::uint32_t position) const {
-        return first_.empty() ? Range{position, position + 1} : Range{first_[position], first_[position + 1]};
+        if (first_.empty()) return {position, 0, 0};
+        return {position, first_[position], first_[position + 1]};
+    }
+    std::uint32_t position(std::uint32_t wedge) const {
+        return wedge < positions_ ? wedge : further_position_[wedge - positions_];
     }
     std::size_t size() const { return size_; }
 
     // Vertices of one position that agree in texture coordinate, colour and material share a group; normals do not
     // count.
-    std::uint32_t group(std::uint32_t wedge) const { return group_.empty() ? wedge : group_[wedge]; }
+    std::uint32_t group(std::uint32_t wedge) const { return group_.empty() ? 0 : group_[wedge]; }
+    bool has_seams() const { return !group_.empty(); }  // whether any position may have one
     bool has_seam(std::uint32_t position) const;
 
     // The corners of triangles at a wedge; counted until merging ends.
@@ -77,15 +100,17 @@ class Wedges {
     double normal_distance(std::uint32_t a, std::uint32_t b) const;
     std::uint32_t partner_in_group(std::uint32_t wedge, Range candidates, const std::vector<Pair>& told) const;
     std::uint32_t nearest(std::uint32_t wedge, Range candidates) const;
-    void find_groups(std::uint32_t positions);
+    void find_groups();
 
     std::size_t size_ = 0;
+    std::uint32_t positions_ = 0;
     std::vector<Vec3f> normals_;
     std::vector<Vec2f> texture_coordinates_;
     std::vector<Rgba8> colors_;
     std::vector<std::uint32_t> material_;  // empty: all are of one
-    std::vector<std::uint32_t> group_;     // the first wedge of the group; empty: each is its own
-    std::vector<std::uint32_t> first_;     // of each position; empty: each has one wedge, of its own number
+    std::vector<std::uint32_t> group_;     // the first wedge of the group; empty: all at a position agree
+    std::vector<std::uint32_t> first_;     // of each position: its first further wedge; empty: each has one wedge
+    std::vector<std::uint32_t> further_position_;  // of the wedges after those of the positions' numbers
     std::vector<std::uint32_t> uses_;
 };
 

@@ -2,11 +2,11 @@
 // near it changes. Costs mostly grow, so what an edge was queued with is a lower bound.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "common/simplify/edge_queue.h"
 #include "common/simplify/surface.h"
 
 namespace lodestream::simplify {
@@ -28,29 +28,16 @@ class Worker {
     // vanished.
     std::size_t take(const Merge& merge, std::size_t max_vanishing);
     // pre: next() gave a merge. Its edge is not looked at again.
-    void skip() { pop(); }
+    void skip() { queue_.pop(); }
     // Edges that were refused may be tried by all rules again. Returns whether there are any.
     bool retry_refused();
 
   private:
-    // By cost, then by edge: floats that are not negative are ordered as their bits are.
-    struct Entry {
-        std::uint64_t bits;
-        Entry(float cost, EdgeHandle edge)
-            : bits(std::uint64_t{std::bit_cast<std::uint32_t>(cost)} << 32 | index_of(edge)) {}
-        float cost() const { return std::bit_cast<float>(static_cast<std::uint32_t>(bits >> 32)); }
-        EdgeHandle edge() const { return EdgeHandle(static_cast<int>(bits & 0xffffffffu)); }
-        bool operator<(const Entry& o) const { return bits < o.bits; }
-    };
-    void push(EdgeHandle edge);
-    void pop();
-    void sink(std::size_t place, const Entry& entry);
-
     Surface& surface_;
     Log& log_;
     const float slack_;
     std::uint8_t rules_limit_ = refused;
-    std::vector<Entry> heap_;                  // each edge at most once, the cheapest first
+    EdgeQueue queue_;                          // each edge at most once
     std::vector<EdgeHandle> refused_edges_;    // by some rules at least
     std::vector<EdgeHandle> exhausted_edges_;  // by all rules: not in the heap
     Surface::Scratch scratch_;
