@@ -269,24 +269,10 @@ void append(Mesh& to, const Mesh& from) {
     for (const auto& [a, b, c] : from.triangles) to.triangles.push_back({first + a, first + b, first + c});
 }
 
-Mesh with_normals(const Mesh& mesh, double crease_degrees) {
-    const std::size_t corners = 3 * mesh.triangles.size();
-    std::vector<Vec3d> face_normals(mesh.triangles.size());
-    std::vector<double> angles(corners);
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        const Triangle& triangle = mesh.triangles[t];
-        const Vec3f p[3] = {mesh.positions[triangle[0]], mesh.positions[triangle[1]], mesh.positions[triangle[2]]};
-        face_normals[t] = face_normal(p[0], p[1], p[2]);
-        for (std::size_t k = 0; k < 3; ++k) angles[3 * t + k] = corner_angle(p[k], p[(k + 1) % 3], p[(k + 2) % 3]);
-    }
+namespace {
 
-    const CornersByPosition by = corners_by_position(mesh);
-    const double cos_crease = std::cos(radians(crease_degrees));
-    std::vector<Vec3f> corner_normals(corners);
-    for (std::size_t p = 0; p + 1 < by.first.size(); ++p)
-        crease_normals(by.corners.data() + by.first[p], by.corners.data() + by.first[p + 1], face_normals, angles,
-                       cos_crease, corner_normals);
-
+// The mesh with one normal for each corner of a triangle.
+Mesh with_corner_normals(const Mesh& mesh, const std::vector<Vec3f>& normals) {
     Mesh soup;
     soup.triangle_materials = mesh.triangle_materials;
     soup.triangle_objects = mesh.triangle_objects;
@@ -297,8 +283,52 @@ Mesh with_normals(const Mesh& mesh, double crease_degrees) {
         for (std::uint32_t k = 0; k < 3; ++k) append_vertex(soup, bare, mesh.triangles[t][k]);
         soup.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
     }
-    soup.normals = std::move(corner_normals);
+    soup.normals = normals;
     return compact(soup);
+}
+
+std::vector<Vec3d> face_normals_of(const Mesh& mesh) {
+    std::vector<Vec3d> normals;
+    normals.reserve(mesh.triangles.size());
+    for (const auto& [a, b, c] : mesh.triangles)
+        normals.push_back(face_normal(mesh.positions[a], mesh.positions[b], mesh.positions[c]));
+    return normals;
+}
+
+std::vector<Vec3f> made_normals(const Mesh& mesh, const std::vector<Vec3d>& face_normals, double crease_degrees) {
+    const std::size_t corners = 3 * mesh.triangles.size();
+    std::vector<double> angles(corners);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Triangle& triangle = mesh.triangles[t];
+        const Vec3f p[3] = {mesh.positions[triangle[0]], mesh.positions[triangle[1]], mesh.positions[triangle[2]]};
+        for (std::size_t k = 0; k < 3; ++k) angles[3 * t + k] = corner_angle(p[k], p[(k + 1) % 3], p[(k + 2) % 3]);
+    }
+
+    const CornersByPosition by = corners_by_position(mesh);
+    const double cos_crease = std::cos(radians(crease_degrees));
+    std::vector<Vec3f> normals(corners);
+    for (std::size_t p = 0; p + 1 < by.first.size(); ++p)
+        crease_normals(by.corners.data() + by.first[p], by.corners.data() + by.first[p + 1], face_normals, angles,
+                       cos_crease, normals);
+    return normals;
+}
+
+}  // namespace
+
+Mesh with_normals(const Mesh& mesh, double crease_degrees) {
+    return with_corner_normals(mesh, made_normals(mesh, face_normals_of(mesh), crease_degrees));
+}
+
+Mesh with_plausible_normals(const Mesh& mesh, double max_degrees, double crease_degrees) {
+    const std::vector<Vec3d> face_normals = face_normals_of(mesh);
+    const double least_cosine = std::cos(radians(max_degrees));
+    std::vector<Vec3f> normals = made_normals(mesh, face_normals, crease_degrees);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3f& own = mesh.normals[mesh.triangles[t][k]];
+            if (dot(Vec3d(own), face_normals[t]) >= least_cosine) normals[3 * t + k] = own;
+        }
+    return with_corner_normals(mesh, normals);
 }
 
 Vec3d face_normal(const Vec3f& a, const Vec3f& b, const Vec3f& c) {

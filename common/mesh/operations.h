@@ -33,6 +33,10 @@ std::vector<std::uint32_t> distinct_triangles(const Mesh& mesh);
 // Zero-area triangles take the direction of their neighbours; where there is none, +y. Always finite.
 Mesh with_normals(const Mesh& mesh, double crease_degrees);
 
+// Corners whose normal is more than `max_degrees` off their triangle's own get that of with_normals() instead.
+// pre: the mesh has unit normals
+Mesh with_plausible_normals(const Mesh& mesh, double max_degrees, double crease_degrees);
+
 // The unit normal of a triangle in double precision; (0,0,0) where it has no area.
 Vec3d face_normal(const Vec3f& a, const Vec3f& b, const Vec3f& c);
 double face_area(const Vec3f& a, const Vec3f& b, const Vec3f& c);

@@ -1,5 +1,5 @@
-// A queue of edges, the cheapest first, to within a sixteenth: one stack for each run of costs (a bucket queue), so that
-// neither putting in nor taking out compares anything, and what was put in side by side comes out side by side.
+// A queue of edges, the cheapest first, to within a sixteenth: one stack for each run of costs (a bucket queue), so
+// that neither putting in nor taking out compares anything, and what was put in side by side comes out side by side.
 #pragma once
 
 #include <algorithm>

@@ -216,6 +216,7 @@ class TileMaker {
             }
             const std::size_t triangles = best.mesh.triangles.size();
             if (!branch.tiles.empty() && triangles >= branch.tiles.back().node.triangles) continue;
+            best.mesh = with_plausible_normals(std::move(best.mesh));
             if (Status added = add_tile(index, best, least); !added) return added;
             branch.surface = std::move(best);
         }

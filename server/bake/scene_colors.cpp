@@ -19,7 +19,6 @@ namespace {
 
 constexpr const char* painted_name = "painted";
 constexpr int jpeg_quality = 85;
-constexpr double crease_degrees = 50.0;  // levels of joined pieces have edges that their finest surfaces do not
 constexpr double hint_slack = 1.0 + 1e-6;
 
 Vec3d place_of(const mesh::Mesh& mesh, const scene::Texel& texel) {
@@ -78,7 +77,7 @@ Result<mesh::Model> SceneColors::paint(const mesh::Mesh& surface) const {
     mesh::Model painted;
     mesh::Material& material = painted.materials.emplace_back();
     material.name = painted_name;
-    const mesh::Mesh shaded = mesh::with_normals(bare(surface), crease_degrees);
+    const mesh::Mesh shaded = mesh::with_normals(bare(surface), level_crease_degrees);
     if (const std::optional<Vec4f> color = colors_.constant()) {
         painted.mesh = shaded;
         material.base_color = *color;

@@ -22,8 +22,8 @@ class SceneColors {
     SceneColors& operator=(const SceneColors&) = delete;
 
     // The surface as a model of one material: an image, or one colour where the scene has but one. A texel shows the
-    // places of the scene that are nearest to its own. Normals are new: edges of joined pieces are where a coarse
-    // surface has them, not where a fine one did. pre: `surface` has triangles. Errors: those of the image's encoder.
+    // places of the scene that are nearest to its own. Normals are new (level_crease_degrees). pre: `surface` has
+    // triangles. Errors: those of the image's encoder.
     Result<mesh::Model> paint(const mesh::Mesh& surface) const;
 
   private:

@@ -32,6 +32,11 @@ mesh::Mesh bare(const mesh::Mesh& mesh) {
     return mesh::compact(out);
 }
 
+mesh::Mesh with_plausible_normals(mesh::Mesh level) {
+    if (level.normals.empty()) return level;
+    return mesh::with_plausible_normals(level, max_normal_degrees, level_crease_degrees);
+}
+
 bool can_be_painted(const std::vector<mesh::Material>& materials) {
     return std::all_of(materials.begin(), materials.end(), [](const mesh::Material& material) {
         return material.alpha_mode == mesh::AlphaMode::opaque && material.emissive == Vec3f(0.0f) &&

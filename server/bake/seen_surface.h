@@ -18,6 +18,14 @@ struct Surface {
 
 mesh::Mesh bare(const mesh::Mesh& mesh);
 
+// Sharper edges of coarse levels are hard where their normals are made anew.
+inline constexpr double level_crease_degrees = 40.0;
+// A normal of theirs that is farther off its triangle's is a mean over pieces that a merge has joined.
+inline constexpr double max_normal_degrees = 60.0;
+
+// The level with other normals instead of those; one without normals as it is.
+mesh::Mesh with_plausible_normals(mesh::Mesh level);
+
 // Whether an image shows all that these materials do: all are opaque and none glows.
 bool can_be_painted(const std::vector<mesh::Material>& materials);
 

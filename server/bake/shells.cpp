@@ -3,8 +3,10 @@
 #include "server/bake/shells.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -21,45 +23,94 @@ constexpr std::string_view magic = "LODSHEL1";
 constexpr double recorded_share = 0.2;
 constexpr double chosen_share = 0.6;
 // What is hidden is far from every level: fewer samples tell as much of it.
+// Of the finest level of the surface wrapped around a scene: an image over a finer one costs more than it shows.
+constexpr std::uint64_t wrapped_triangles = 30'720;
 constexpr std::size_t whole_samples = 20'000;
+constexpr double negligible_error = 1e-9;  // of the scene's diagonal
 
-// A history that may serve from some count on, measured from there.
+// A history that levels of up to so many triangles may be cut from.
 struct Candidate {
     const simplify::History* history;
-    std::vector<ErrorSample> errors;
+    std::uint64_t most;
+    std::vector<metric::SurfaceError> errors;  // at every count that it may serve, the coarsest last
 };
 
-// Below half of the scene's triangles: above, there is nothing to be won.
-std::uint64_t finest_count(const mesh::Mesh& scene) {
-    return std::clamp<std::uint64_t>(scene.triangles.size() / 2, 1, shell_triangles);
+// Halvings: from the most triangles that any shell may serve down to one.
+std::vector<std::uint64_t> counts_from(std::uint64_t most) {
+    std::vector<std::uint64_t> counts;
+    for (std::uint64_t count = most; count > 0; count /= 2) counts.push_back(count);
+    return counts;
 }
 
-// Goes down in triangles and hands over to the candidate that shows a count best; one that was left is not measured
-// any more. The scene's own history is the one in charge at first. Tells `progress` what is left in halvings; false
-// where it was cancelled.
-bool hand_over(const simplify::History& scene, std::vector<Candidate>& shells, const SeenSurface& seen,
-               const mesh::Mesh& seen_finest, std::uint64_t most, const std::function<bool(double)>& progress) {
-    Candidate own{&scene, {}};
-    Candidate* in_charge = &own;
-    for (std::uint64_t count = most; count > 0; count /= 2) {
-        if (!progress(1.0 - std::log2(1.0 + static_cast<double>(count)) / std::log2(1.0 + static_cast<double>(most))))
-            return false;
-        std::vector<Candidate*> measured{in_charge};
-        for (Candidate& shell : shells)
-            if (&shell != in_charge && shell.errors.empty()) measured.push_back(&shell);
-        std::vector<metric::SurfaceError> errors(measured.size());
-        all_cores()(measured.size(), [&](std::size_t i) {
-            errors[i] = metric::measure(seen.original, seen_finest, simplify::cut(*measured[i]->history, count));
-        });
-        std::size_t best = 0;
-        for (std::size_t i = 1; i < errors.size(); ++i)
-            if (errors[i].rms < errors[best].rms) best = i;
-        in_charge->errors.push_back({count, errors[0]});  // where it hands over, too: it serves down to here
-        if (best == 0) continue;
-        in_charge = measured[best];
-        in_charge->errors.push_back({count, errors[best]});
+// Against what is seen. Returns false where it was cancelled.
+bool measure_all(std::vector<Candidate>& candidates, const std::vector<std::uint64_t>& counts, const SeenSurface& seen,
+                 const mesh::Mesh& seen_finest, const std::function<bool(double)>& progress) {
+    struct Task {
+        Candidate* of;
+        std::size_t count;
+    };
+    std::vector<Task> tasks;
+    for (std::size_t i = 0; i < counts.size(); ++i)
+        for (Candidate& candidate : candidates)
+            if (counts[i] <= candidate.most) tasks.push_back({&candidate, i});
+    for (Candidate& candidate : candidates) candidate.errors.resize(counts.size());
+    std::atomic<std::size_t> done{0};
+    std::atomic<bool> going{true};
+    all_cores()(tasks.size(), [&](std::size_t i) {
+        if (!going) return;
+        const auto& [of, count] = tasks[i];
+        of->errors[count] = metric::measure(seen.original, seen_finest, simplify::cut(*of->history, counts[count]));
+        if (!progress(static_cast<double>(++done) / static_cast<double>(tasks.size()))) going = false;
+    });
+    return going;
+}
+
+// Who serves which counts: the scene's own history from the finest on, then one candidate, then the other; each may
+// serve none. Ends are indices of counts.
+struct Rule {
+    std::array<std::size_t, 3> order{};
+    std::array<std::size_t, 3> ends{};
+};
+
+// The rule of the least error over all counts, by its logarithm: a count more or less decides nothing. `negligible`: an
+// error that need not be less.
+Rule best_rule(const std::vector<Candidate>& candidates, const std::vector<std::uint64_t>& counts, double negligible) {
+    const auto cost_of = [&](std::size_t who, std::size_t count) {
+        if (who >= candidates.size() || counts[count] > candidates[who].most)
+            return std::numeric_limits<double>::infinity();
+        return std::log(candidates[who].errors[count].rms + negligible);
+    };
+    const auto cost = [&](const Rule& rule) {
+        double sum = 0;
+        for (std::size_t k = 0, count = 0; k < rule.order.size(); ++k)
+            for (; count < rule.ends[k]; ++count) sum += cost_of(rule.order[k], count);
+        return sum;
+    };
+    const std::size_t n = counts.size();
+    Rule best{{0, 1, 2}, {n, n, n}};
+    double least = cost(best);
+    for (const std::array<std::size_t, 3>& order : {std::array<std::size_t, 3>{0, 1, 2}, {0, 2, 1}})
+        for (std::size_t first = n + 1; first-- > 0;)
+            for (std::size_t second = n + 1; second-- > first;) {
+                const Rule rule{order, {first, second, n}};
+                if (const double sum = cost(rule); sum < least) {
+                    least = sum;
+                    best = rule;
+                }
+            }
+    return best;
+}
+
+// What a candidate is off where it serves, and at the next count too: it serves down to there. Empty: it serves none.
+std::vector<ErrorSample> served(const Candidate& candidate, std::size_t number, const Rule& rule,
+                                const std::vector<std::uint64_t>& counts) {
+    std::vector<ErrorSample> errors;
+    for (std::size_t k = 1; k < rule.order.size(); ++k) {
+        if (rule.order[k] != number || rule.ends[k - 1] == rule.ends[k]) continue;
+        for (std::size_t i = rule.ends[k - 1]; i < std::min(rule.ends[k] + 1, counts.size()); ++i)
+            errors.push_back({counts[i], candidate.errors[i]});
     }
-    return true;
+    return errors;
 }
 
 // What is hidden is far from every level and hardly farther from a coarser one: fewer counts tell enough of it.
@@ -118,8 +169,9 @@ BakedModel baked_shell(const BakedModel& scene, bool is_bare, simplify::History 
 Result<std::vector<Shell>> make_shells(const BakedModel& scene, const mesh::Mesh& finest,
                                        const std::function<bool(double)>& progress) {
     const Error ended = fail(ErrorCode::unavailable, "the bake was ended");
-    const std::uint64_t most = finest_count(finest);
-    SeenSurface seen = seen_from_outside({finest, false}, most, can_be_painted(scene.model.materials));
+    const std::uint64_t most = std::max<std::uint64_t>(1, finest.triangles.size() / 2);  // above, little can be won
+    SeenSurface seen =
+        seen_from_outside({finest, false}, std::min(most, wrapped_triangles), can_be_painted(scene.model.materials));
     const mesh::Mesh seen_finest = seen.surfaces.front().mesh;
     std::vector<simplify::History> histories;
     for (Surface& surface : seen.surfaces) {
@@ -132,16 +184,19 @@ Result<std::vector<Shell>> make_shells(const BakedModel& scene, const mesh::Mesh
         if (!history) return history.error();
         histories.push_back(*std::move(history));
     }
-    std::vector<Candidate> candidates;
-    for (const simplify::History& history : histories) candidates.push_back({&history, {}});
-    const auto handing = [&](double share) { return progress(std::lerp(recorded_share, chosen_share, share)); };
-    if (!hand_over(scene.history, candidates, seen, seen_finest, most, handing)) return ended;
+    std::vector<Candidate> candidates{{&scene.history, most, {}}};
+    for (std::size_t i = 0; i < histories.size(); ++i)
+        candidates.push_back({&histories[i], seen.surfaces[i].is_bare ? wrapped_triangles : most, {}});
+    const std::vector<std::uint64_t> counts = counts_from(most);
+    const auto choosing = [&](double share) { return progress(std::lerp(recorded_share, chosen_share, share)); };
+    if (!measure_all(candidates, counts, seen, seen_finest, choosing)) return ended;
+    const Rule rule = best_rule(candidates, counts, negligible_error * scene.bounds.diagonal());
     const metric::SurfaceIndex original(finest, whole_samples);
     const auto measuring = [&](double share) { return progress(std::lerp(chosen_share, 1.0, share)); };
 
     std::vector<Shell> shells;
     for (std::size_t i = 0; i < histories.size(); ++i) {
-        std::vector<ErrorSample>& seen_errors = candidates[i].errors;
+        std::vector<ErrorSample> seen_errors = served(candidates[i + 1], i + 1, rule, counts);
         if (seen_errors.empty()) continue;
         std::vector<ErrorSample> errors =
             measured(histories[i], every_second(seen_errors), finest, original, measuring);

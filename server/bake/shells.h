@@ -13,17 +13,17 @@
 #include "common/mesh/mesh.h"
 #include "common/metric/surface_distance.h"
 #include "server/bake/baked_model.h"
+#include "server/bake/seen_surface.h"
 #include "server/store/store.h"
 
 namespace lodestream::bake {
 
-inline constexpr std::uint64_t shell_triangles = 7'680;  // of a level of a shell, nor more than half of the scene's
-inline constexpr std::size_t max_shells = 2;             // of one asset
+inline constexpr std::size_t max_shells = 2;  // of one asset
 
 // A baked model of what is seen from outside. `seen_errors` are of that alone, `baked.errors` of the whole scene; both
-// begin with the most triangles at which it shows the outside better than the scene's own levels do: it serves budgets
-// up to there. One of a bare surface names the triangles of the scene's finest level whose colours its levels get
-// (scene_colors.h); one without has materials of its own.
+// begin with the most triangles, up to half of the scene's, at which it shows the outside better than the scene's own
+// levels do: it serves budgets up to there. One of a bare surface names the triangles of the scene's finest level whose
+// colours its levels get (scene_colors.h); one without has materials of its own.
 template <class AnyBaked>
 struct BasicShell {
     AnyBaked baked;
@@ -45,6 +45,12 @@ const BasicShell<AnyBaked>* shell_for(const std::vector<BasicShell<AnyBaked>>& s
     for (const BasicShell<AnyBaked>& shell : shells)
         if (triangles <= shell.seen_errors.front().triangles) return &shell;
     return nullptr;
+}
+
+// A level of at most so many triangles, as simplify::cut(), with plausible normals where it has any.
+template <class AnyBaked>
+mesh::Mesh cut_shell(const BasicShell<AnyBaked>& shell, std::uint64_t triangles) {
+    return with_plausible_normals(simplify::cut(shell.baked.history, triangles));
 }
 
 std::vector<std::byte> serialize(const Shell& shell);

@@ -230,7 +230,8 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
     const Stopwatch cutting;
     const bake::ShellView* shell = wanted.shell;
     const bake::BakedView& baked = shell ? shell->baked : loaded.baked;
-    mesh::Mesh level = simplify::cut(baked.history, wanted.triangles);
+    mesh::Mesh level =
+        shell ? bake::cut_shell(*shell, wanted.triangles) : simplify::cut(baked.history, wanted.triangles);
     const metric::SurfaceError error = bake::error_of(baked.errors, level.triangles.size());
     response.level.triangles = level.triangles.size();
     response.level.rms_error = error.rms;

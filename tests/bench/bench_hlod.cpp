@@ -149,7 +149,7 @@ class WholeScene {
     mesh::Model cut(std::uint64_t triangles) const {
         const bake::Shell* shell = bake::shell_for(shells_, triangles);
         const bake::BakedModel& baked = shell ? shell->baked : scene_;
-        mesh::Mesh level = simplify::cut(baked.history, triangles);
+        mesh::Mesh level = shell ? bake::cut_shell(*shell, triangles) : cut_whole(triangles);
         if (shell && !shell->colored_by.empty()) {
             const mesh::Mesh finest = cut_whole(simplify::triangle_count(simplify::view(scene_.history)));
             const bake::SceneColors colors(scene_.model, mesh::part(finest, shell->colored_by));

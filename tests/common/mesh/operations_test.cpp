@@ -89,6 +89,27 @@ TEST(Normals, SplitEdgesSharperThanTheCrease) {
     EXPECT_EQ(with_normals(tetrahedron(), 180.0).positions.size(), 4u);
 }
 
+TEST(PlausibleNormals, KeepsThoseThatASmoothEdgeWouldHave) {
+    const Mesh mesh = sphere(24);
+    const Mesh same = with_plausible_normals(mesh, 60.0, 40.0);
+    EXPECT_EQ(same.positions.size(), mesh.positions.size());
+    for (std::size_t v = 0; v < same.positions.size(); ++v)
+        EXPECT_GT(dot(Vec3d(same.normals[v]), normalize(Vec3d(same.positions[v]))), 0.999);
+}
+
+TEST(PlausibleNormals, MakesTheOthersAnewCornerByCorner) {
+    Mesh mesh = flat_grid(2);  // faces +y
+    mesh.normals.assign(mesh.positions.size(), Vec3f(0, std::sqrt(0.5f), std::sqrt(0.5f)));
+    mesh.normals[4] = {1, 0, 0};
+    mesh.normals[8] = {0, -1, 0};
+    const Mesh lit = with_plausible_normals(mesh, 60.0, 40.0);
+    ASSERT_EQ(lit.positions.size(), mesh.positions.size());
+    for (std::size_t v = 0; v < lit.positions.size(); ++v) {
+        const bool was_off = lit.positions[v] == mesh.positions[4] || lit.positions[v] == mesh.positions[8];
+        EXPECT_EQ(lit.normals[v], was_off ? Vec3f(0, 1, 0) : mesh.normals[0]) << v;
+    }
+}
+
 TEST(Normals, OfZeroAreaTrianglesComeFromTheNeighbours) {
     Mesh mesh = flat_grid(1);
     mesh.positions.push_back({0.5f, 0.0f, 0.5f});

@@ -19,7 +19,7 @@ using testing::empty_scene;
 using testing::moved;
 
 mesh::Mesh cut(const Shell& shell, std::uint64_t triangles) {
-    return simplify::cut(shell.baked.history, triangles);
+    return cut_shell(shell, triangles);
 }
 
 bool goes_on(double) {
@@ -72,13 +72,30 @@ TEST(Shells, StatedErrorsBoundWhatIsMeasured) {
     }
 }
 
+TEST(Shells, GiveTheirLevelsNormalsNearThoseOfTheTriangles) {
+    const Scene scene(testing::hull_with_cargo(32));
+    const std::vector<Shell> shells = scene.shells();
+    ASSERT_FALSE(shells.empty());
+    for (const Shell& shell : shells) {
+        const mesh::Mesh level = cut_shell(shell, 200);
+        ASSERT_EQ(level.normals.size(), shell.colored_by.empty() ? level.positions.size() : 0u);
+        if (level.normals.empty()) continue;
+        for (const auto& [a, b, c] : level.triangles) {
+            const Vec3d origin(level.positions[a]);
+            const Vec3d across = cross(Vec3d(level.positions[b]) - origin, Vec3d(level.positions[c]) - origin);
+            for (const std::uint32_t corner : {a, b, c})
+                EXPECT_GE(dot(Vec3d(level.normals[corner]), across), 0.49 * length(across));
+        }
+    }
+}
+
 TEST(Shells, ACoarserOneIsNeverSaidToBeBetterThanTheScenesOwnFinerLevels) {
     const Scene scene(testing::hull_with_cargo(32));
     for (const Shell& shell : scene.shells()) {
         const std::uint64_t most = shell.seen_errors.front().triangles;
         EXPECT_TRUE(validate_errors(shell.seen_errors).ok());
         EXPECT_TRUE(validate_errors(shell.baked.errors).ok());
-        EXPECT_LE(most, shell_triangles);
+        EXPECT_LE(most, scene.finest.triangles.size() / 2);
         EXPECT_EQ(shell.baked.errors.front().triangles, most);
         for (const ErrorSample& finer : scene.baked.errors) {
             if (finer.triangles <= most) continue;
