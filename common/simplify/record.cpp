@@ -28,7 +28,7 @@ constexpr std::size_t sampled_positions = 64;  // one of so many is asked for th
 
 // Of costs, as Worker takes it: what is left as a whole is coarse, each merge shows.
 constexpr float region_slack = 1.5f;
-constexpr float whole_slack = 1.25f;
+constexpr float whole_slack = 1.1f;
 
 constexpr double retry_share = 0.9;  // refused merges are tried again when this share of the triangles is left
 constexpr std::size_t merges_per_report = 2048;

@@ -50,30 +50,29 @@ Surface::Surface(mesh::Mesh mesh, const Executor& executor) {
     mesh.normals = {};
     mesh.texture_coordinates = {};
     mesh.colors = {};
-    const bool one_wedge_each = wedges_.size() == points_.size();
     g.position_of = {};
 
-    std::vector<mesh::Triangle> corners;  // positions, where they are not wedges
-    corners.swap(g.faces);
-    if (one_wedge_each) {
-        face_wedges_.swap(corners);
-    } else {
-        face_wedges_.reserve(corners.size());
-        for (const std::uint32_t t : g.triangle_of) {
-            mesh::Triangle wedges = mesh.triangles[t];
-            for (std::uint32_t& w : wedges) w = wedge_of_vertex[w];
-            face_wedges_.push_back(wedges);
-        }
-    }
+    struct FurtherCorner {
+        std::uint32_t face, corner, wedge;
+    };
+    std::vector<FurtherCorner> further;  // whose wedges do not have their positions' numbers
+    if (wedges_.size() > count)
+        for (std::uint32_t face = 0; face < g.triangle_of.size(); ++face)
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const std::uint32_t wedge = wedge_of_vertex[mesh.triangles[g.triangle_of[face]][k]];
+                if (wedge >= count) further.push_back({face, k, wedge});
+            }
+    wedge_of_vertex = {};
     if (!mesh.triangle_materials.empty())
         for (const std::uint32_t t : g.triangle_of) face_materials_.push_back(mesh.triangle_materials[t]);
     mesh = {};
-    wedge_of_vertex = {};
+    face_wedges_ = std::move(g.faces);
     g = {};
+    sheets_.emplace(face_wedges_, points_, executor);  // they are still positions
+    for (const FurtherCorner& at : further) face_wedges_[at.face][at.corner] = at.wedge;
+    further = {};
     for (const mesh::Triangle& t : face_wedges_)
         for (const std::uint32_t wedge : t) wedges_.add_use(wedge);
-    sheets_.emplace(one_wedge_each ? face_wedges_ : corners, points_, executor);
-    corners = {};
     prepare_positions(executor);
 }
 
