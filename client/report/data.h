@@ -103,13 +103,14 @@ struct ShadingSample {
     ModeResult result;             // times and bytes that the series does not measure are 0
 };
 
-// The tiles of a scene that target-frame-rate mode draws within a budget, in the view of the first device class.
+// What a scene shows within a budget in the view of the first device class: the tiles that target-frame-rate mode
+// draws, or the one level that a plan gives.
 struct HlodSample {
     std::uint64_t budget = 0;  // triangles
     std::uint64_t triangles = 0;
-    std::uint64_t tiles = 0;
-    std::uint64_t bytes = 0;  // of these tiles
-    double error_px = 0.0;    // the largest of theirs
+    std::uint64_t tiles = 0;  // 0: a plan's level
+    std::uint64_t bytes = 0;
+    double error_px = 0.0;  // the largest of the tiles'
     double frame_ms = 0.0;
     ImageError image;
 };
@@ -155,7 +156,8 @@ struct AssetResult {
     std::string split_device;  // whose budget and display the split was measured with
     CountedOperations operations;
     std::vector<ShadingSample> shading;
-    std::vector<HlodSample> hlod;  // of scenes alone
+    std::vector<HlodSample> hlod;   // tiles; of scenes alone
+    std::vector<HlodSample> plans;  // levels; of scenes alone
     std::vector<PointsLevel> points;
     std::uint32_t crowd_instances = 0;
     std::vector<PointsChoice> choices;

@@ -445,12 +445,11 @@ Result<AssetResult> Gatherer::measure_asset(const proto::Asset& listed) {
         problem(listed.name + ", shading", studied.error());
     if (result.asset.hierarchy) {
         if (Status going_on = begin(listed.name + ": tiles"); !going_on) return going_on.error();
-        Result<std::vector<HlodSample>> hlod =
-            study_hlod(client_, renderer_, result.asset, reference->view, reference->images.front(), effort_.frames);
-        if (hlod)
-            result.hlod = *std::move(hlod);
-        else
-            problem(listed.name + ", tiles", hlod.error());
+        proto::PlanRequest request = full_model_request(result.asset.id);
+        request.view = reference->view;
+        if (Status studied = study_hlod(client_, renderer_, request, reference->images.front(), effort_.frames, result);
+            !studied)
+            problem(listed.name + ", tiles", studied.error());
     }
     if (Status going_on = begin(listed.name + ": points"); !going_on) return going_on.error();
     if (Status studied = measure_points(result); !studied) problem(listed.name + ", points", studied.error());

@@ -76,21 +76,40 @@ class Tiles {
     std::map<std::uint32_t, codec::Decoded> decoded_;
 };
 
-}  // namespace
+// Draws contents in one view and compares them with the full model's picture.
+class Judge {
+  public:
+    Judge(render::Renderer& renderer, const shading::View& view, const render::Image& full, std::uint32_t frames)
+        : renderer_(renderer), view_(view), full_(full) {
+        drawing_.width = full.width;
+        drawing_.height = full.height;
+        drawing_.samples = 1;
+        drawing_.frames = std::max(1u, frames);
+    }
 
-Result<std::vector<HlodSample>> study_hlod(sdk::Client& client, render::Renderer& renderer, const proto::Asset& asset,
-                                           const shading::View& view, const render::Image& full, std::uint32_t frames) {
-    Result<proto::Tileset> tileset = client.tileset(asset.id);
-    if (!tileset) return tileset.error();
-    Tiles tiles(client, *std::move(tileset));
-    const scene::View seen = scene_view(view, full);
-    if (Status valid = scene::validate(seen); !valid) return valid.error();
-    render::DrawOptions drawing;
-    drawing.width = full.width;
-    drawing.height = full.height;
-    drawing.samples = 1;
-    drawing.frames = std::max(1u, frames);
-    std::vector<HlodSample> samples;
+    // Adds it, unless it has as many triangles as the last one.
+    Status add(const codec::Decoded& content, HlodSample sample, std::vector<HlodSample>& samples) {
+        if (auto uploaded = renderer_.upload(content); !uploaded) return uploaded.error();
+        const Result<render::Frame> frame = renderer_.draw(view_, drawing_);
+        if (!frame) return frame.error();
+        const Result<render::Difference> difference = render::compare(full_, frame->image);
+        if (!difference) return difference.error();
+        sample.triangles = frame->triangles;
+        sample.frame_ms = frame->frame_ms;
+        sample.image = {100.0 * difference->rms / 255.0, difference->silhouette_percent};
+        const bool is_new = samples.empty() || samples.back().triangles != sample.triangles;
+        if (is_new) samples.push_back(sample);
+        return Nothing{};
+    }
+
+  private:
+    render::Renderer& renderer_;
+    const shading::View& view_;
+    const render::Image& full_;
+    render::DrawOptions drawing_;
+};
+
+Status study_tiles(Tiles& tiles, const scene::View& seen, Judge& judge, std::vector<HlodSample>& samples) {
     for (const std::uint64_t budget : hlod_budgets) {
         scene::SelectOptions options;
         options.budget = budget;
@@ -102,18 +121,37 @@ Result<std::vector<HlodSample>> study_hlod(sdk::Client& client, render::Renderer
         sample.error_px = selection.largest_error_px;
         const Result<codec::Decoded> content = tiles.joined(selection.nodes);
         if (!content) return content.error();
-        if (auto uploaded = renderer.upload(*content); !uploaded) return uploaded.error();
-        const Result<render::Frame> frame = renderer.draw(view, drawing);
-        if (!frame) return frame.error();
-        const Result<render::Difference> difference = render::compare(full, frame->image);
-        if (!difference) return difference.error();
-        sample.triangles = frame->triangles;
-        sample.frame_ms = frame->frame_ms;
-        sample.image = {100.0 * difference->rms / 255.0, difference->silhouette_percent};
-        const bool is_new = samples.empty() || samples.back().triangles != sample.triangles;
-        if (is_new) samples.push_back(sample);
+        if (Status added = judge.add(*content, sample, samples); !added) return added;
     }
-    return samples;
+    return Nothing{};
+}
+
+Status study_plans(sdk::Client& client, proto::PlanRequest request, Judge& judge, std::vector<HlodSample>& samples) {
+    for (const std::uint64_t budget : hlod_budgets) {
+        request.budget.preference.triangles = budget;
+        const Result<sdk::Loaded> loaded = client.load(request);
+        if (!loaded) return loaded.error();
+        HlodSample sample;
+        sample.budget = budget;
+        sample.bytes = loaded->plan.content.bytes;
+        sample.error_px = loaded->plan.level.screen_space_error_px;
+        if (Status added = judge.add(loaded->content, sample, samples); !added) return added;
+    }
+    return Nothing{};
+}
+
+}  // namespace
+
+Status study_hlod(sdk::Client& client, render::Renderer& renderer, const proto::PlanRequest& request,
+                  const render::Image& full, std::uint32_t frames, AssetResult& result) {
+    Result<proto::Tileset> tileset = client.tileset(result.asset.id);
+    if (!tileset) return tileset.error();
+    Tiles tiles(client, *std::move(tileset));
+    const scene::View seen = scene_view(*request.view, full);
+    if (Status valid = scene::validate(seen); !valid) return valid.error();
+    Judge judge(renderer, *request.view, full, frames);
+    if (Status studied = study_tiles(tiles, seen, judge, result.hlod); !studied) return studied;
+    return study_plans(client, request, judge, result.plans);
 }
 
 }  // namespace lodestream::report

@@ -14,9 +14,13 @@ struct SceneRow {
     ImageError image;
 };
 
-SceneRow tiles_row(const AssetResult& asset, const HlodSample& sample) {
-    return {&asset,       "hierarchy",     sample.budget,   sample.tiles, sample.triangles,
-            sample.bytes, sample.error_px, sample.frame_ms, sample.image};
+SceneRow sample_row(const AssetResult& asset, const HlodSample& sample) {
+    const bool is_plan = sample.tiles == 0;
+    return {&asset,           is_plan ? "plan" : "hierarchy",
+            sample.budget,    is_plan ? Cell{} : Cell{sample.tiles},
+            sample.triangles, sample.bytes,
+            sample.error_px,  sample.frame_ms,
+            sample.image};
 }
 
 SceneRow rung_row(const AssetResult& asset, const LadderLevel& rung) {
@@ -27,7 +31,8 @@ SceneRow rung_row(const AssetResult& asset, const LadderLevel& rung) {
 
 std::vector<SceneRow> scene_rows(const AssetResult& asset) {
     std::vector<SceneRow> rows;
-    for (const HlodSample& sample : asset.hlod) rows.push_back(tiles_row(asset, sample));
+    for (const auto* samples : {&asset.hlod, &asset.plans})
+        for (const HlodSample& sample : *samples) rows.push_back(sample_row(asset, sample));
     if (rows.empty()) return rows;
     for (const LadderLevel& rung : asset.ladder)
         if (!rung.drawn.empty()) rows.push_back(rung_row(asset, rung));
@@ -43,13 +48,14 @@ double frame_ms_of(const SceneRow& row) {
     return row.frame_ms;
 }
 
-// Two lines a scene: what its tiles show, and what one level of the whole of it shows.
+// Three lines a scene: what its tiles show, what a plan's level shows, and what a level of the whole of it shows.
 Plot scene_plot(const ReportData& data, const std::string& title, const Axis& x, Value value) {
     Plot plot{title, x, {"error of the picture, %", AxisScale::logarithmic}, {}, {}};
     for (std::size_t i = 0; i < data.assets.size(); ++i) {
         const AssetResult& asset = data.assets[i];
-        for (const char* method : {"hierarchy", "ladder"}) {
-            Series series{asset.asset.name + ", " + method, {}, true, true, method == std::string("ladder"), i};
+        for (const std::string method : {"hierarchy", "plan", "ladder"}) {
+            const std::size_t style = method == "plan" ? data.assets.size() + i : i;
+            Series series{asset.asset.name + ", " + method, {}, true, true, method == "ladder", style};
             for (const SceneRow& row : scene_rows(asset))
                 if (row.method == method)
                     series.points.push_back({value(row), row.image.percent,
@@ -93,7 +99,8 @@ Section hlod_section(const ReportData& data) {
         section.text_html =
             "<p>A scene of several objects is baked as a tree of tiles: its objects in the leaves, above them tiles "
             "that simplify what the tiles below show together. Within a budget of triangles the tile with the largest "
-            "error on the screen is refined first (“hierarchy”). Beside it the levels of the whole scene as one "
+            "error on the screen is refined first (“hierarchy”). Beside it the one level that a plan gives for that "
+            "budget, which spends nothing on what is hidden (“plan”), and the levels of the whole scene as one "
             "mesh (“ladder”): the same detail everywhere, seen or not. One view of the whole scene on the first "
             "device’s display; the closer the eye, the more a tree saves. The table tells what the bakes "
             "took.</p>";

@@ -65,6 +65,7 @@ inline AssetResult asset_result(const std::string& name) {
     out.choices = {{"phone", 1.5, {100, 900, 1.0, {3.0, 1.0}}, {100, 1'600, 1.0, {9.0, 4.0}}, false},
                    {"phone", 96.0, {100, 900, 1.0, {0.5, 0.0}}, {20, 400, 0.5, {0.4, 0.0}}, true}};
     out.hlod = {{480, 470, 1, 900, 9.0, 1.5, {6.0, 2.0}}, {1'920, 1'900, 4, 3'000, 3.0, 2.5, {2.0, 0.5}}};
+    out.plans = {{480, 480, 0, 950, 8.0, 1.5, {5.5, 1.9}}};
     out.split_device = "desktop";
     for (const double d : {0.0, 0.5, 1.0})
         out.split.push_back(

@@ -41,11 +41,12 @@ TEST(Sections, CodecHasARowForEveryLevelAndEveryShadingModeOfADevice) {
     EXPECT_EQ(section(all, "codec").rows.rows.size(), 3u + 2u * 3u);
 }
 
-TEST(Sections, HlodHasTheTilesOfScenesBesideTheirLadder) {
+TEST(Sections, HlodHasTheTilesOfScenesBesideTheirPlansAndTheirLadder) {
     ReportData data = testing::report_data();
-    EXPECT_EQ(section(sections(data), "hlod").rows.rows.size(), 2u + 3u);
-    EXPECT_EQ(section(sections(data), "hlod").plots[0].series.size(), 2u);
+    EXPECT_EQ(section(sections(data), "hlod").rows.rows.size(), 2u + 1u + 3u);
+    EXPECT_EQ(section(sections(data), "hlod").plots[0].series.size(), 3u);
     data.assets[0].hlod.clear();
+    data.assets[0].plans.clear();
     data.assets[0].asset.hierarchy.reset();
     EXPECT_TRUE(section(sections(data), "hlod").rows.rows.empty());
     EXPECT_THAT(section(sections(data), "hlod").text_html, HasSubstr("No scene"));
