@@ -6,7 +6,9 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <map>
 #include <string_view>
 #include <utility>
 
@@ -22,17 +24,18 @@ constexpr std::string_view magic = "LODSHEL1";
 // Shares of its progress.
 constexpr double recorded_share = 0.2;
 constexpr double chosen_share = 0.6;
+constexpr double halvings_share = 0.8;  // of choosing
 // What is hidden is far from every level: fewer samples tell as much of it.
+constexpr std::size_t whole_samples = 20'000;
 // Of the finest level of the surface wrapped around a scene: an image over a finer one costs more than it shows.
 constexpr std::uint64_t wrapped_triangles = 30'720;
-constexpr std::size_t whole_samples = 20'000;
 constexpr double negligible_error = 1e-9;  // of the scene's diagonal
 
 // A history that levels of up to so many triangles may be cut from.
 struct Candidate {
     const simplify::History* history;
     std::uint64_t most;
-    std::vector<metric::SurfaceError> errors;  // at every count that it may serve, the coarsest last
+    std::map<std::uint64_t, metric::SurfaceError> errors;  // at the counts that were measured
 };
 
 // Halvings: from the most triangles that any shell may serve down to one.
@@ -42,29 +45,6 @@ std::vector<std::uint64_t> counts_from(std::uint64_t most) {
     return counts;
 }
 
-// Against what is seen. Returns false where it was cancelled.
-bool measure_all(std::vector<Candidate>& candidates, const std::vector<std::uint64_t>& counts, const SeenSurface& seen,
-                 const mesh::Mesh& seen_finest, const std::function<bool(double)>& progress) {
-    struct Task {
-        Candidate* of;
-        std::size_t count;
-    };
-    std::vector<Task> tasks;
-    for (std::size_t i = 0; i < counts.size(); ++i)
-        for (Candidate& candidate : candidates)
-            if (counts[i] <= candidate.most) tasks.push_back({&candidate, i});
-    for (Candidate& candidate : candidates) candidate.errors.resize(counts.size());
-    std::atomic<std::size_t> done{0};
-    std::atomic<bool> going{true};
-    all_cores()(tasks.size(), [&](std::size_t i) {
-        if (!going) return;
-        const auto& [of, count] = tasks[i];
-        of->errors[count] = metric::measure(seen.original, seen_finest, simplify::cut(*of->history, counts[count]));
-        if (!progress(static_cast<double>(++done) / static_cast<double>(tasks.size()))) going = false;
-    });
-    return going;
-}
-
 // Who serves which counts: the scene's own history from the finest on, then one candidate, then the other; each may
 // serve none. Ends are indices of counts.
 struct Rule {
@@ -72,13 +52,52 @@ struct Rule {
     std::array<std::size_t, 3> ends{};
 };
 
+// The counts with some more around those at which a rule hands over.
+std::vector<std::uint64_t> refined(const std::vector<std::uint64_t>& counts, const Rule& rule) {
+    std::vector<std::uint64_t> all = counts;
+    for (const std::size_t end : {rule.ends[0], rule.ends[1]}) {
+        if (end == 0 || end == counts.size()) continue;
+        for (const double power : {0.25, 0.5, 0.75})
+            all.push_back(static_cast<std::uint64_t>(static_cast<double>(counts[end]) * std::exp2(power)));
+    }
+    std::sort(all.begin(), all.end(), std::greater<>());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    return all;
+}
+
+// Against what is seen, at the counts that have not been measured yet. Returns false where it was cancelled.
+bool measure_all(std::vector<Candidate>& candidates, const std::vector<std::uint64_t>& counts, const SeenSurface& seen,
+                 const mesh::Mesh& seen_finest, const std::function<bool(double)>& progress) {
+    struct Task {
+        const simplify::History* history;
+        std::uint64_t count;
+        metric::SurfaceError* error;
+    };
+    std::vector<Task> tasks;
+    for (const std::uint64_t count : counts)
+        for (Candidate& candidate : candidates) {
+            if (count > candidate.most) continue;
+            const auto [place, is_new] = candidate.errors.try_emplace(count);
+            if (is_new) tasks.push_back({candidate.history, count, &place->second});
+        }
+    std::atomic<std::size_t> done{0};
+    std::atomic<bool> going{true};
+    all_cores()(tasks.size(), [&](std::size_t i) {
+        if (!going) return;
+        const auto& [history, count, error] = tasks[i];
+        *error = metric::measure(seen.original, seen_finest, simplify::cut(*history, count));
+        if (!progress(static_cast<double>(++done) / static_cast<double>(tasks.size()))) going = false;
+    });
+    return going;
+}
+
 // The rule of the least error over all counts, by its logarithm: a count more or less decides nothing. `negligible`: an
 // error that need not be less.
 Rule best_rule(const std::vector<Candidate>& candidates, const std::vector<std::uint64_t>& counts, double negligible) {
     const auto cost_of = [&](std::size_t who, std::size_t count) {
         if (who >= candidates.size() || counts[count] > candidates[who].most)
             return std::numeric_limits<double>::infinity();
-        return std::log(candidates[who].errors[count].rms + negligible);
+        return std::log(candidates[who].errors.at(counts[count]).rms + negligible);
     };
     const auto cost = [&](const Rule& rule) {
         double sum = 0;
@@ -108,7 +127,7 @@ std::vector<ErrorSample> served(const Candidate& candidate, std::size_t number, 
     for (std::size_t k = 1; k < rule.order.size(); ++k) {
         if (rule.order[k] != number || rule.ends[k - 1] == rule.ends[k]) continue;
         for (std::size_t i = rule.ends[k - 1]; i < std::min(rule.ends[k] + 1, counts.size()); ++i)
-            errors.push_back({counts[i], candidate.errors[i]});
+            errors.push_back({counts[i], candidate.errors.at(counts[i])});
     }
     return errors;
 }
@@ -187,10 +206,17 @@ Result<std::vector<Shell>> make_shells(const BakedModel& scene, const mesh::Mesh
     std::vector<Candidate> candidates{{&scene.history, most, {}}};
     for (std::size_t i = 0; i < histories.size(); ++i)
         candidates.push_back({&histories[i], seen.surfaces[i].is_bare ? wrapped_triangles : most, {}});
-    const std::vector<std::uint64_t> counts = counts_from(most);
-    const auto choosing = [&](double share) { return progress(std::lerp(recorded_share, chosen_share, share)); };
-    if (!measure_all(candidates, counts, seen, seen_finest, choosing)) return ended;
-    const Rule rule = best_rule(candidates, counts, negligible_error * scene.bounds.diagonal());
+    const double negligible = negligible_error * scene.bounds.diagonal();
+    std::vector<std::uint64_t> counts = counts_from(most);
+    const auto measuring_seen = [&](double from, double to) {
+        return measure_all(candidates, counts, seen, seen_finest, [&, from, to](double share) {
+            return progress(std::lerp(recorded_share, chosen_share, std::lerp(from, to, share)));
+        });
+    };
+    if (!measuring_seen(0.0, halvings_share)) return ended;
+    counts = refined(counts, best_rule(candidates, counts, negligible));
+    if (!measuring_seen(halvings_share, 1.0)) return ended;
+    const Rule rule = best_rule(candidates, counts, negligible);
     const metric::SurfaceIndex original(finest, whole_samples);
     const auto measuring = [&](double share) { return progress(std::lerp(chosen_share, 1.0, share)); };
 
