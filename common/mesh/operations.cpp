@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <numeric>
+#include <utility>
 
 namespace lodestream::mesh {
 
@@ -272,7 +273,7 @@ void append(Mesh& to, const Mesh& from) {
 namespace {
 
 // The mesh with one normal for each corner of a triangle.
-Mesh with_corner_normals(const Mesh& mesh, const std::vector<Vec3f>& normals) {
+Mesh with_corner_normals(const Mesh& mesh, std::vector<Vec3f> normals) {
     Mesh soup;
     soup.triangle_materials = mesh.triangle_materials;
     soup.triangle_objects = mesh.triangle_objects;
@@ -283,7 +284,7 @@ Mesh with_corner_normals(const Mesh& mesh, const std::vector<Vec3f>& normals) {
         for (std::uint32_t k = 0; k < 3; ++k) append_vertex(soup, bare, mesh.triangles[t][k]);
         soup.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
     }
-    soup.normals = normals;
+    soup.normals = std::move(normals);
     return compact(soup);
 }
 
@@ -328,7 +329,7 @@ Mesh with_plausible_normals(const Mesh& mesh, double max_degrees, double crease_
             const Vec3f& own = mesh.normals[mesh.triangles[t][k]];
             if (dot(Vec3d(own), face_normals[t]) >= least_cosine) normals[3 * t + k] = own;
         }
-    return with_corner_normals(mesh, normals);
+    return with_corner_normals(mesh, std::move(normals));
 }
 
 Vec3d face_normal(const Vec3f& a, const Vec3f& b, const Vec3f& c) {

@@ -31,6 +31,19 @@ constexpr std::size_t whole_samples = 20'000;
 constexpr std::uint64_t wrapped_triangles = 30'720;
 constexpr double negligible_error = 1e-9;  // of the scene's diagonal
 
+// Runs task(0) … task(count - 1) on all cores. Returns false where `progress` ended it.
+bool run_reporting(std::size_t count, const std::function<bool(double)>& progress,
+                   const std::function<void(std::size_t)>& task) {
+    std::atomic<std::size_t> done{0};
+    std::atomic<bool> going{true};
+    all_cores()(count, [&](std::size_t i) {
+        if (!going) return;
+        task(i);
+        if (!progress(static_cast<double>(++done) / static_cast<double>(count))) going = false;
+    });
+    return going;
+}
+
 // A history that levels of up to so many triangles may be cut from.
 struct Candidate {
     const simplify::History* history;
@@ -80,15 +93,10 @@ bool measure_all(std::vector<Candidate>& candidates, const std::vector<std::uint
             const auto [place, is_new] = candidate.errors.try_emplace(count);
             if (is_new) tasks.push_back({candidate.history, count, &place->second});
         }
-    std::atomic<std::size_t> done{0};
-    std::atomic<bool> going{true};
-    all_cores()(tasks.size(), [&](std::size_t i) {
-        if (!going) return;
+    return run_reporting(tasks.size(), progress, [&](std::size_t i) {
         const auto& [history, count, error] = tasks[i];
         *error = metric::measure(seen.original, seen_finest, simplify::cut(*history, count));
-        if (!progress(static_cast<double>(++done) / static_cast<double>(tasks.size()))) going = false;
     });
-    return going;
 }
 
 // The rule of the least error over all counts, by its logarithm: a count more or less decides nothing. `negligible`: an
@@ -145,13 +153,9 @@ std::vector<ErrorSample> measured(const simplify::History& history, const std::v
                                   const mesh::Mesh& finest, const metric::SurfaceIndex& original,
                                   const std::function<bool(double)>& progress) {
     std::vector<ErrorSample> errors(counts.size());
-    std::atomic<std::size_t> done{0};
-    std::atomic<bool> going{true};
-    all_cores()(counts.size(), [&](std::size_t i) {
-        if (!going) return;
+    run_reporting(counts.size(), progress, [&](std::size_t i) {
         errors[i] = {counts[i].triangles,
                      metric::measure(original, finest, simplify::cut(history, counts[i].triangles))};
-        if (!progress(static_cast<double>(++done) / static_cast<double>(counts.size()))) going = false;
     });
     return errors;
 }
