@@ -86,7 +86,12 @@ struct StoredForm {
 
     // Sums are made anew when this share of a position's surroundings has changed.
     static constexpr std::uint16_t changed_share = 4;
+    static constexpr std::uint16_t outdated = 0xffff;
 
+    void note_change() {
+        if (changes < outdated) ++changes;
+    }
+    void outdate() { changes = outdated; }
     bool is_stale() const { return changes > triangles / changed_share; }
     Form form() const { return {Symmetric<double>(matrix), {area[0], area[1], area[2]}}; }
 };

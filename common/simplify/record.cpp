@@ -5,6 +5,7 @@
 #include <limits>
 #include <new>
 #include <numeric>
+#include <span>
 
 #include "common/simplify/assemble.h"
 #include "common/simplify/components.h"
@@ -29,6 +30,11 @@ constexpr std::size_t sampled_positions = 64;  // one of so many is asked for th
 // Of costs, as Worker takes it: what is left as a whole is coarse, each merge shows.
 constexpr float region_slack = 1.5f;
 constexpr float whole_slack = 1.1f;
+
+// The triangles that a region of so many positions loses.
+std::size_t goal_of(std::size_t positions) {
+    return static_cast<std::size_t>(2.0 * (1.0 - region_share) * static_cast<double>(positions));
+}
 
 constexpr double retry_share = 0.9;  // refused merges are tried again when this share of the triangles is left
 constexpr std::size_t merges_per_report = 2048;
@@ -111,7 +117,7 @@ float Recorder::usual_cost() {
     std::vector<float> costs;
     for (std::size_t i = 0; i < positions_.size(); i += sampled_positions)
         surface_.sheets().for_each_sheet(positions_[i], [&](VertexHandle sheet) {
-            costs.push_back(key_of_cost(surface_.offer(SheetMesh::edge(surface_.sheets().outgoing(sheet))).cost));
+            costs.push_back(key_of_cost(surface_.cost(SheetMesh::edge(surface_.sheets().outgoing(sheet)))));
         });
     const auto middle =
         costs.begin() + static_cast<std::ptrdiff_t>(merged_quantile * static_cast<double>(costs.size()));
@@ -131,28 +137,31 @@ bool Recorder::simplify_regions(std::size_t round) {
     // An even number: two cores then end together.
     const std::size_t count = std::clamp<std::size_t>((faces / region_faces + 1) / 2 * 2, 2, max_regions);
     const Regions regions = divide(positions_, surface_.places(), count, round, options_.executor);
+    // Logs get their memory here: what other threads free, this one does not get again.
     const std::size_t first_log = logs_.size();
     logs_.resize(first_log + count);
+    const std::span logs = std::span(logs_).subspan(first_log);
+    for (std::size_t r = 0; r < count; ++r) logs[r].reserve(goal_of(regions.in(r).size()) / 2, surface_.wedges());
     lodestream::simplify::run(options_.executor, count,
-                              [&](std::size_t r) { simplify_region(regions, r, limit, logs_[first_log + r]); });
+                              [&](std::size_t r) { simplify_region(regions, r, limit, logs[r]); });
+    for (Log& log : logs) log.shrink();
     return true;
 }
 
 // Positions with a neighbour elsewhere stay as they are.
 void Recorder::simplify_region(const Regions& regions, std::size_t region, float limit, Log& log) {
     const SheetMesh& sheets = surface_.sheets();
-    std::vector<std::uint32_t> inside;
+    std::size_t inside = 0;
     for (const std::uint32_t p : regions.in(region)) {
         bool inner = sheets.has_one_sheet(p);
         sheets.for_each_outgoing(p,
                                  [&](HalfedgeHandle h) { inner = inner && regions.of[sheets.to(h)] == regions.of[p]; });
         in_region_[p] = inner;
-        if (inner) inside.push_back(p);
+        inside += inner;
     }
     Worker worker(surface_, log, region_slack);
-    worker.start(inside, in_region_, first_harmful_rules);
-    const auto goal = static_cast<std::size_t>(2.0 * (1.0 - region_share) * static_cast<double>(inside.size()));
-    log.reserve(goal / 2, surface_.wedges());
+    worker.start(regions.in(region), in_region_, first_harmful_rules);
+    const std::size_t goal = goal_of(inside);
     std::size_t vanished = 0, reported = 0, merges = 0;
     while (vanished < goal) {
         if (merges++ % merges_per_report == 0) {
@@ -164,7 +173,6 @@ void Recorder::simplify_region(const Regions& regions, std::size_t region, float
         vanished += worker.take(merge, 3);
     }
     monitor_.report(vanished - reported);
-    log.shrink();
     for (const std::uint32_t p : regions.in(region)) in_region_[p] = 0;
 }
 

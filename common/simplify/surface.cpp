@@ -84,10 +84,9 @@ void Surface::prepare_positions(const Executor& executor) {
     held_.assign(positions(), 0);
     keys_.assign(positions(), 0.0f);
     rules_.assign(sheets_->edges(), 0);
-    forms_.reserve(positions());
+    slots_.assign(positions(), 0);
     run(executor, 2, [&](std::size_t task) {
         if (task == 0) return weigh_normals();
-        forms_.resize(positions());
         for (std::uint32_t p = 0; p < held_.size(); ++p) held_[p] = must_hold(p);
     });
 }
@@ -104,7 +103,7 @@ void Surface::weigh_normals() {
 
 void Surface::end_merging() {
     sheets_.reset();
-    forms_ = {};
+    slots_ = {};
     held_ = {};
     keys_ = {};
     rules_ = {};
@@ -146,7 +145,7 @@ bool Surface::must_hold(std::uint32_t position) const {
     return seam_[position] || !sheets_->has_one_sheet(position) || sheets_->is_on_border(position);
 }
 
-void Surface::sum_form(std::uint32_t position) {
+void Surface::sum_form(std::uint32_t position, StoredForm& stored) const {
     Form sum;
     std::size_t triangles = 0;
     const Vec3d at = point(position);
@@ -170,7 +169,6 @@ void Surface::sum_form(std::uint32_t position) {
             h = following;
         } while (h != start);
     });
-    StoredForm& stored = forms_[position];
     stored.matrix = Symmetric<float>(sum.matrix);
     for (int k = 0; k < 3; ++k) stored.area[k] = static_cast<float>(sum.area[k]);
     stored.triangles = saturated(triangles);
@@ -191,17 +189,30 @@ Merge Surface::at_end(HalfedgeHandle h, const Rules& rules, double cost, double 
     return {h, cost + rules.price * area * dot(to - from, to - from), points_[sheets_->to(h)], &rules};
 }
 
-Merge Surface::offer(EdgeHandle edge) {
+void Surface::keep(std::span<const std::uint32_t> positions, Scratch& s) {
+    s.forms.assign(positions.size(), StoredForm{});
+    for (std::uint32_t slot = 0; slot < positions.size(); ++slot) slots_[positions[slot]] = slot;
+}
+
+double Surface::cost(EdgeHandle edge) {
+    const HalfedgeHandle h(2 * edge.idx());
+    Scratch scratch;
+    keep(std::array{sheets_->from(h), sheets_->to(h)}, scratch);
+    return offer(edge, scratch).cost;
+}
+
+Merge Surface::offer(EdgeHandle edge, Scratch& s) const {
     std::uint8_t level = rules_[index_of(edge)];
     if (level >= refused || !sheets_->is_live(edge)) return Merge{};
     const HalfedgeHandle h(2 * edge.idx()), back = SheetMesh::opposite(h);
     const std::uint32_t a = sheets_->from(h), b = sheets_->to(h);
-    const Form form_a = form(a), form_b = form(b);
+    const StoredForm &stored_a = summed(a, s), &stored_b = summed(b, s);
+    const Form form_a = stored_a.form(), form_b = stored_b.form();
     const EdgeEnergy energy(form_a, form_b, shared_area(h), point(b) - point(a));
     const double at_a = energy.at_start(), at_b = energy.at_end();
     const double area_a = form_a.matrix.trace(), area_b = form_b.matrix.trace();
 
-    const bool hub_a = forms_[a].triangles > hub_triangles, hub_b = forms_[b].triangles > hub_triangles;
+    const bool hub_a = stored_a.triangles > hub_triangles, hub_b = stored_b.triangles > hub_triangles;
     bool hold_a = held_[a] != 0, hold_b = held_[b] != 0;
     if (hold_a && hold_b) {
         const bool along = is_line(h) && sheets_->has_one_sheet(a) && sheets_->has_one_sheet(b);
@@ -224,7 +235,7 @@ Merge Surface::offer(EdgeHandle edge) {
     if (at_a <= enough || at_b <= enough)
         return at_a <= at_b ? at_end(back, rules, at_a, area_b) : at_end(h, rules, at_b, area_a);
     Merge merge{h, least + rules.price * area * length2, Vec3f(point(a) + x), &rules};
-    if (forms_[b].triangles < forms_[a].triangles) merge.edge = back;
+    if (stored_b.triangles < stored_a.triangles) merge.edge = back;
     return merge;
 }
 
@@ -411,11 +422,6 @@ float Surface::step_key(const Merge& merge, std::uint32_t source, std::uint32_t 
     return key;
 }
 
-void Surface::touch(std::uint32_t position) {
-    StoredForm& stored = forms_[position];
-    if (stored.changes < 0xffff) ++stored.changes;
-}
-
 // A wedge that no triangle has any more goes.
 void Surface::drop_use(std::uint32_t wedge, Log& log) {
     wedges_.drop_uses(wedge, 1);
@@ -479,9 +485,8 @@ void Surface::commit(const Merge& merge, std::uint32_t source, std::uint32_t tar
     else
         sheets_->merge(source, target);
     for (const EdgeHandle edge : s.edges) rules_[index_of(edge)] = 0;
-    for (const std::uint32_t n : s.neighbours) touch(n);
-    touch(target);
-    forms_[target].changes = 0xffff;
+    for (const std::uint32_t n : s.neighbours) form(n, s).note_change();
+    form(target, s).outdate();
     held_[target] = must_hold(target);
     if (!merge.rules->sheets)
         for (const std::uint32_t n : s.neighbours) held_[n] = must_hold(n);

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/simplify/log.h"
@@ -63,15 +64,19 @@ class Surface {
     std::size_t live_faces() const;  // O(faces)
     double area(std::uint32_t face) const;
 
-    // The merge that an edge offers by the rules it has come to.
-    Merge offer(EdgeHandle edge);
+    struct Scratch;
+    // Has `scratch` keep sums for these positions; another worker may not have one of them.
+    void keep(std::span<const std::uint32_t> positions, Scratch& scratch);
+    // The merge that an edge offers by the rules it has come to. pre: sums of both ends are kept
+    Merge offer(EdgeHandle edge, Scratch& scratch) const;
+    double cost(EdgeHandle edge);  // of the merge that it offers
     // Keeps an edge from being tried by the same rules again until something near it changes.
     void refuse(EdgeHandle edge, std::uint8_t level) { rules_[index_of(edge)] = static_cast<std::uint8_t>(level + 1); }
     void allow(EdgeHandle edge) { rules_[index_of(edge)] = 0; }
     void allow_all() { rules_.assign(rules_.size(), 0); }
     std::uint8_t rules_of(EdgeHandle edge) const { return rules_[index_of(edge)]; }
 
-    // Memory of one worker for the merge at hand.
+    // Memory of one worker: of the positions it was given, and for the merge at hand.
     struct Scratch {
         struct Corner {
             std::uint32_t face;
@@ -81,6 +86,7 @@ class Surface {
             std::uint32_t wedge;
             Attributes attributes;
         };
+        std::vector<StoredForm> forms;
         std::vector<Corner> staying;        // around the source
         std::vector<Corner> around_target;  // that stay too
         std::vector<std::uint32_t> vanishing;
@@ -93,7 +99,7 @@ class Surface {
         std::size_t vanished = 0;       // faces, by the last merge
     };
     // Makes the merge and logs it, or changes nothing and returns false where its rules forbid it. `max_vanishing`:
-    // a merge that takes this many triangles or more is refused.
+    // a merge that takes this many triangles or more is refused. pre: sums of all that it touches are kept
     bool merge(const Merge& merge, std::size_t max_vanishing, Log& log, Scratch& scratch);
 
     // Drops the faces, each in a step of its own, at `key` or later.
@@ -105,11 +111,13 @@ class Surface {
 
   private:
     void weigh_normals();
-    Form form(std::uint32_t position) {
-        if (forms_[position].is_stale()) sum_form(position);
-        return forms_[position].form();
+    StoredForm& form(std::uint32_t position, Scratch& s) const { return s.forms[slots_[position]]; }
+    const StoredForm& summed(std::uint32_t position, Scratch& s) const {
+        StoredForm& stored = form(position, s);
+        if (stored.is_stale()) sum_form(position, stored);
+        return stored;
     }
-    void sum_form(std::uint32_t position);
+    void sum_form(std::uint32_t position, StoredForm& stored) const;
     Vec3d shared_area(HalfedgeHandle h) const;
     bool is_line(HalfedgeHandle h) const;
     bool is_seam(HalfedgeHandle h) const;
@@ -130,7 +138,6 @@ class Surface {
     void commit(const Merge& merge, std::uint32_t source, std::uint32_t target, Log& log, Scratch& s);
     void drop_use(std::uint32_t wedge, Log& log);
     void vanish(std::uint32_t face, std::uint32_t dying, float key, Log& log);
-    void touch(std::uint32_t position);
 
     int exponent_ = 0;
     std::vector<Vec3f> points_;  // of each position, scaled
@@ -141,7 +148,7 @@ class Surface {
     std::vector<std::uint8_t> live_;             // of each face
     std::vector<std::uint8_t> seam_;             // of each position: whether attributes part there
     std::vector<std::uint8_t> held_;             // of each position: whether it must not move on its own
-    std::vector<StoredForm> forms_;              // of each position
+    std::vector<std::uint32_t> slots_;           // of each position: of the forms of the worker that has it
     std::vector<float> keys_;                    // of each position: of the last step that touched it
     std::vector<std::uint8_t> rules_;            // of each edge
 };

@@ -5,6 +5,7 @@ namespace lodestream::simplify {
 void Worker::start(std::span<const std::uint32_t> positions, const std::vector<std::uint8_t>& in_region,
                    std::uint8_t rules_limit) {
     rules_limit_ = rules_limit;
+    surface_.keep(positions, scratch_);
     const SheetMesh& sheets = surface_.sheets();
     queue_.reserve(3 * positions.size());  // of a closed surface
     for (const std::uint32_t position : positions) {
@@ -13,7 +14,7 @@ void Worker::start(std::span<const std::uint32_t> positions, const std::vector<s
             const std::uint32_t end = sheets.to(h);
             if (end < position || !in_region[end]) return;
             const EdgeHandle edge = SheetMesh::edge(h);
-            queue_.push(edge, key_of_cost(surface_.offer(edge).cost));
+            queue_.push(edge, key_of_cost(surface_.offer(edge, scratch_).cost));
         });
     }
 }
@@ -30,7 +31,7 @@ Merge Worker::next() {
             queue_.pop();
             continue;
         }
-        const Merge merge = surface_.offer(edge);
+        const Merge merge = surface_.offer(edge, scratch_);
         const float cost = key_of_cost(merge.cost);
         if (cost <= slack_ * queue_.front_cost()) return merge;
         queue_.pop();
@@ -64,7 +65,7 @@ bool Worker::retry_refused() {
     again.clear();
     again.swap(exhausted_edges_);
     for (const EdgeHandle edge : again)
-        if (surface_.sheets().is_live(edge)) queue_.push(edge, key_of_cost(surface_.offer(edge).cost));
+        if (surface_.sheets().is_live(edge)) queue_.push(edge, key_of_cost(surface_.offer(edge, scratch_).cost));
     return any;
 }
 
