@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/bake/executor.h"
+#include "tests/bench/copied_process.h"
 #include "tests/bench/inputs.h"
 #include "tests/bench/methods.h"
 #include "tests/bench/process_memory.h"
@@ -25,9 +26,19 @@ mesh::Mesh cut(const Recording& recording, std::uint64_t triangles) {
 std::uint64_t recording_peak_bytes(const std::string& spec, const std::string& folder) {
     mesh::Mesh mesh;
     const auto load = [&] {
-        Result<Input> input = load_input(spec, folder);
-        if (!input) throw std::runtime_error(input.error().message);
-        mesh = std::move(input->mesh);
+        run_in_copy(
+            [&](std::FILE* out) {
+                const Result<Input> input = load_input(spec, folder);
+                if (!input) throw std::runtime_error(input.error().message);
+                send(input->mesh.positions, out);
+                send(input->mesh.normals, out);
+                send(input->mesh.triangles, out);
+            },
+            [&](std::FILE* in) {
+                mesh.positions = receive<Vec3f>(in);
+                mesh.normals = receive<Vec3f>(in);
+                mesh.triangles = receive<mesh::Triangle>(in);
+            });
     };
     return peak_growth_bytes([&] { record(std::move(mesh)); }, load);
 }

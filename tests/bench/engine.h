@@ -17,8 +17,9 @@ struct Recording {
 Recording record(mesh::Mesh mesh);
 mesh::Mesh cut(const Recording& recording, std::uint64_t triangles);
 
-// What recording a model (see load_input()) needs at its peak beside the mesh, in a copy of this process that loads it
-// anew: of the engine alone where this one has done nothing big yet.
+// What recording a model (see load_input()) needs at its peak beside the mesh, in a copy of this process that has
+// nothing but the mesh: what reading the file leaves in the heap is left in another. Of the engine alone where this
+// process has done nothing big yet.
 std::uint64_t recording_peak_bytes(const std::string& spec, const std::string& folder);
 
 }  // namespace lodestream::bench

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <memory>
 #include <stdexcept>
+#include <vector>
 
+#include "tests/bench/copied_process.h"
 #include "tests/bench/fit.h"
 #include "tests/bench/process_memory.h"
 #include "tests/bench/table.h"
@@ -28,6 +30,25 @@ TEST(Percentile, IsTheNearestRank) {
     EXPECT_EQ(percentile(values, 0.5), 20);
     EXPECT_EQ(percentile(values, 0.51), 30);
     EXPECT_EQ(percentile(values, 1.0), 40);
+}
+
+TEST(RunInCopy, BringsWhatTheCopySendsAndNoneOfItsChanges) {
+    std::vector<int> here{1, 2, 3}, got;
+    const auto work = [&](std::FILE* out) {
+        here.push_back(4);
+        send(here, out);
+    };
+    run_in_copy(work, [&](std::FILE* in) { got = receive<int>(in); });
+    EXPECT_EQ(got, (std::vector<int>{1, 2, 3, 4}));
+    EXPECT_EQ(here, (std::vector<int>{1, 2, 3}));
+}
+
+TEST(RunInCopy, SaysThatTheCopySentTooLittle) {
+    const auto half = [](std::FILE* out) {
+        const std::size_t count = 8;
+        send_bytes(&count, sizeof count, out);
+    };
+    EXPECT_THROW(run_in_copy(half, [](std::FILE* in) { receive<int>(in); }), std::runtime_error);
 }
 
 constexpr std::size_t block_bytes = 64 << 20;

@@ -1,16 +1,13 @@
 #include "tests/bench/process_memory.h"
 
 #include <malloc.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <exception>
 #include <fstream>
-#include <iostream>
 #include <stdexcept>
 #include <string>
+
+#include "tests/bench/copied_process.h"
 
 namespace lodestream::bench {
 
@@ -41,35 +38,16 @@ std::uint64_t growth_here(const std::function<void()>& work) {
     return std::max(status_bytes("VmHWM:"), before + files) - before - files;
 }
 
-// The child's whole life: leaves without the parent's destructors.
-[[noreturn]] void report_growth(const std::function<void()>& work, const std::function<void()>& prepare, int pipe_end) {
-    int code = 1;
-    try {
-        if (prepare) prepare();
-        const std::uint64_t bytes = growth_here(work);
-        code = write(pipe_end, &bytes, sizeof bytes) == static_cast<ssize_t>(sizeof bytes) ? 0 : 1;
-    } catch (const std::exception& error) {
-        std::cerr << error.what() << std::endl;
-    }
-    _exit(code);
-}
-
 }  // namespace
 
 std::uint64_t peak_growth_bytes(const std::function<void()>& work, const std::function<void()>& prepare) {
-    std::array<int, 2> ends{};
-    if (pipe(ends.data()) != 0) throw std::runtime_error("no pipe");
-    const pid_t child = fork();
-    if (child < 0) throw std::runtime_error("no second process");
-    if (child == 0) report_growth(work, prepare, ends[1]);
-    close(ends[1]);
     std::uint64_t bytes = 0;
-    const ssize_t got = read(ends[0], &bytes, sizeof bytes);
-    close(ends[0]);
-    int status = 0;
-    waitpid(child, &status, 0);
-    if (got != static_cast<ssize_t>(sizeof bytes) || status != 0)
-        throw std::runtime_error("the work whose memory is measured failed");
+    const auto measure = [&](std::FILE* out) {
+        if (prepare) prepare();
+        const std::uint64_t growth = growth_here(work);
+        send_bytes(&growth, sizeof growth, out);
+    };
+    run_in_copy(measure, [&](std::FILE* in) { receive_bytes(&bytes, sizeof bytes, in); });
     return bytes;
 }
 
