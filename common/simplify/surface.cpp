@@ -14,7 +14,7 @@ namespace {
 
 // Weights of the lines that hold open borders and seams in place, against the triangles.
 constexpr double border_weight = 1.0;
-constexpr double seam_weight = 0.5;
+constexpr double seam_weight = 0.8;
 
 constexpr double min_turn_cosine = 0.5;     // a triangle may turn by 60 degrees in one merge
 constexpr double degenerate_height = 1e-7;  // of the longest side: the noise of float positions
