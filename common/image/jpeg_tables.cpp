@@ -64,7 +64,7 @@ bool has_no_length(unsigned marker) {
 
 bool has_sound_huffman_tables(std::span<const std::byte> bytes) {
     Cursor cursor(bytes);
-    if (cursor.byte() != 0xff || cursor.byte() != start_of_image) return true;
+    if (bytes.empty() || bytes.front() != std::byte{0xff} || cursor.marker() != start_of_image) return true;
     while (!cursor.at_end()) {
         const unsigned marker = cursor.marker();
         if (marker == end_of_image) return true;

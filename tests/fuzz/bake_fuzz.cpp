@@ -1,11 +1,5 @@
 // libFuzzer over a model's whole way through a bake: import, record, cut at several budgets, store, open, cut again.
-// The first byte picks the format, the second the budgets, the rest is the file. Not part of the build:
-//   clang++ -std=c++20 -g -O1 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/bake_fuzz.cpp \
-//     server/importer/*.cpp server/bake/baked_model.cpp common/codec/*.cpp common/image/*.cpp common/mesh/*.cpp \
-//     common/metric/*.cpp common/points/*.cpp common/simplify/*.cpp common/texture/*.cpp \
-//     -lOpenMeshCore -lmeshoptimizer -ldraco -o bake_fuzz
-//   ./bake_fuzz -rss_limit_mb=2048 -timeout=60 -max_len=60000 CORPUS
-// Seed CORPUS with small models, each behind the two bytes that pick its format and budgets.
+// The first byte picks the format, the second the budgets, the rest is the file. See run.sh.
 #include <algorithm>
 #include <cstdlib>
 

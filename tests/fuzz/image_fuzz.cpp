@@ -1,6 +1,4 @@
-// libFuzzer over PNG and JPEG: what decodes is shrunk and encoded again.
-//   clang++ -std=c++20 -g -O1 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/image_fuzz.cpp common/image/*.cpp
-//       common/texture/ladder.cpp common/texture/use.cpp common/mesh/*.cpp -o image_fuzz
+// libFuzzer over PNG and JPEG: what decodes is shrunk and encoded again. See run.sh.
 #include <cstdlib>
 
 #include "common/image/codec.h"

@@ -1,9 +1,5 @@
-// libFuzzer entry for the readers of hostile geometry. Not part of the build:
-//   clang++ -std=c++20 -g -O1 -fsanitize=fuzzer,address,undefined -I. tests/fuzz/level_codec_fuzz.cpp
-//   common/codec/*.cpp \
-//     -ldraco -o level_codec_fuzz && ./level_codec_fuzz -rss_limit_mb=2048 CORPUS
-// Seed CORPUS with levels that `lodestream-server cut` wrote. Bytes that do not begin as a GLB are read as a Draco
-// stream.
+// libFuzzer over the readers of encoded levels and points: bytes that do not begin as a GLB are read as a Draco stream.
+// See run.sh.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

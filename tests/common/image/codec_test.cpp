@@ -145,6 +145,9 @@ TEST(ImageCodec, RefusesAJpegWithAnOverlongHuffmanTable) {
     std::fill_n(table + 5, 16, std::byte{0xff});
     EXPECT_EQ(read_header(jpeg).error().code, ErrorCode::invalid_input);
     EXPECT_EQ(decode(jpeg).error().code, ErrorCode::invalid_input);
+    jpeg.insert(jpeg.begin(), 3, std::byte{0xff});  // any marker may have fill bytes before it, the first one too
+    EXPECT_EQ(read_header(jpeg).error().code, ErrorCode::invalid_input);
+    EXPECT_EQ(decode(jpeg).error().code, ErrorCode::invalid_input);
 }
 
 // One IDAT of zeros that inflates a thousandfold behind a header of one pixel.
