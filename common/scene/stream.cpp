@@ -16,11 +16,12 @@ struct Candidate {
     }
 };
 
-// The nodes that the view refines, in the order of their error, as far as their children fit into the memory.
+// The nodes that views refine, view after view and in the order of their error, as far as their children fit into the
+// memory.
 struct Wanted {
     std::vector<std::uint32_t> refined;
-    std::uint64_t bytes = 0;  // of the root and of all children of `refined`
-    bool bounded = false;
+    std::vector<bool> is_refined;  // of each node
+    std::uint64_t bytes = 0;       // of the root and of all children of `refined`
 };
 
 template <class Visit>
@@ -34,11 +35,11 @@ std::uint64_t bytes_of_children(std::span<const LodNode> tree, const Residency& 
     return bytes;
 }
 
-Wanted wanted_in(std::span<const LodNode> tree, const Residency& residency, const View& view,
-                 const StreamOptions& options) {
+// Returns whether the memory has room for all that the view refines.
+bool add_view(std::span<const LodNode> tree, const Residency& residency, const View& view, const StreamOptions& options,
+              Wanted& wanted) {
     const Projection projection(view);
-    Wanted wanted;
-    wanted.bytes = residency.bytes[0];
+    bool fits = true;
     std::priority_queue<Candidate> open;
     const auto add = [&](std::uint32_t node) {
         const double error_px = projection.error_px(tree[node].box, tree[node].error);
@@ -48,16 +49,19 @@ Wanted wanted_in(std::span<const LodNode> tree, const Residency& residency, cons
     while (!open.empty()) {
         const std::uint32_t node = open.top().node;
         open.pop();
-        const std::uint64_t more = bytes_of_children(tree, residency, node);
-        if (wanted.bytes + more > options.max_bytes) {
-            wanted.bounded = true;
-            continue;
+        if (!wanted.is_refined[node]) {
+            const std::uint64_t more = bytes_of_children(tree, residency, node);
+            if (wanted.bytes + more > options.max_bytes) {
+                fits = false;
+                continue;
+            }
+            wanted.bytes += more;
+            wanted.refined.push_back(node);
+            wanted.is_refined[node] = true;
         }
-        wanted.bytes += more;
-        wanted.refined.push_back(node);
         for_each_child(tree, node, add);
     }
-    return wanted;
+    return fits;
 }
 
 void mark_used(std::span<const LodNode> tree, Residency& residency, const Wanted& wanted) {
@@ -129,21 +133,25 @@ std::vector<std::uint32_t> make_room(std::span<const LodNode> tree, Residency& r
 
 }  // namespace
 
-StreamStep step(std::span<const LodNode> tree, Residency& residency, const View& view, const StreamOptions& options) {
+StreamStep step(std::span<const LodNode> tree, Residency& residency, const View& view, const StreamOptions& options,
+                std::span<const View> coming) {
     assert(!tree.empty() && residency.bytes.size() == tree.size());
     ++residency.frame;
-    const Wanted wanted = wanted_in(tree, residency, view, options);
-    std::vector<bool> is_refined(tree.size(), false);
-    for (const std::uint32_t node : wanted.refined) is_refined[node] = true;
-    mark_used(tree, residency, wanted);
-
+    Wanted wanted{{}, std::vector<bool>(tree.size(), false), residency.bytes[0]};
     StreamStep result;
-    result.bounded = wanted.bounded;
+    result.bounded = !add_view(tree, residency, view, options, wanted);
     result.requests = next_requests(tree, residency, wanted, options.max_requests);
-    std::uint64_t coming = 0;
-    for (const std::uint32_t node : result.requests) coming += residency.bytes[node];
-    result.dropped = make_room(tree, residency, coming, options.max_bytes);
-    result.drawn = drawn_now(tree, residency, is_refined);
+    const std::size_t urgent = result.requests.size();
+    const std::vector<bool> refined_now = wanted.is_refined;
+    for (const View& later : coming) add_view(tree, residency, later, options, wanted);
+    if (!coming.empty()) result.requests = next_requests(tree, residency, wanted, options.max_requests);
+    result.ahead = result.requests.size() - urgent;
+
+    mark_used(tree, residency, wanted);
+    std::uint64_t bytes = 0;
+    for (const std::uint32_t node : result.requests) bytes += residency.bytes[node];
+    result.dropped = make_room(tree, residency, bytes, options.max_bytes);
+    result.drawn = drawn_now(tree, residency, refined_now);
     return result;
 }
 

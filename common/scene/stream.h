@@ -33,6 +33,7 @@ struct StreamOptions {
 struct StreamStep {
     std::vector<std::uint32_t> drawn;     // a cut of nodes that are here; empty only while the root is not
     std::vector<std::uint32_t> requests;  // to be in flight from now on, most urgent first; cancel all others
+    std::size_t ahead = 0;                // how many of the requests, the last ones, only a coming view asks for
     std::vector<std::uint32_t> dropped;   // no longer held from now on
     bool bounded = false;                 // the memory held back what the tolerance asks for
 };
@@ -40,8 +41,12 @@ struct StreamStep {
 // One frame. Wanted is what the view refines, largest error on the screen first, as far as it fits into the memory with
 // all nodes above it; the rest makes room, least recently wanted first, where a request needs it. Parents are requested
 // before their children. All that is drawn is wanted, so there is always room for what is wanted: it never stalls. A
-// root larger than the memory is held alone. pre: validate(tree), validate(view), a byte count for each node
-StreamStep step(std::span<const LodNode> tree, Residency& residency, const View& view, const StreamOptions& options);
+// root larger than the memory is held alone.
+// `coming`: where the motion leads, the soonest first (ahead_of() gives one). What these views refine is
+// fetched and held too, in the room and with the requests that the view itself leaves; it is not drawn before it is
+// wanted. pre: validate(tree), validate() of all views, a byte count for each node
+StreamStep step(std::span<const LodNode> tree, Residency& residency, const View& view, const StreamOptions& options,
+                std::span<const View> coming = {});
 
 // Notes that a requested node is here. A node that is not asked for any more may come too, unless its parent is gone or
 // there is no room: then false, and it is not kept.

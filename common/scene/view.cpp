@@ -33,6 +33,19 @@ Status validate(const View& view) {
     return Nothing{};
 }
 
+View ahead_of(const View& before, const View& now, double steps) {
+    const Vec3d was = normalize(before.target - before.eye), is = normalize(now.target - now.eye);
+    const Vec3d axis = cross(was, is);
+    const double sine = length(axis);
+    const double turn = std::min(steps * std::atan2(sine, dot(was, is)), pi);
+    View view = now;
+    view.eye += steps * (now.eye - before.eye);
+    Vec3d direction = is;
+    if (sine > 0.0) direction = std::cos(turn) * is + std::sin(turn) * cross(axis / sine, is);
+    view.target = view.eye + distance(now.target, now.eye) * direction;
+    return validate(view) ? view : now;
+}
+
 Projection::Projection(const View& view) : eye_(view.eye), forward_(forward_of(view)), near_(view.near) {
     assert(validate(view));
     const Vec3d right = normalize(cross(forward_, view.up)), up = cross(right, forward_);

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
 
 #include "common/scene/select.h"
 #include "tests/common/scene/trees.h"
@@ -54,7 +57,8 @@ TEST(Stream, NeverAHoleNeverBothNeverBeyondTheMemoryWhateverArrives) {
         bool had_root = false;
         for (int frame = 0; frame < 3'000; ++frame) {
             if (random.uniform() < 0.1) view = testing::made_view(random, tree[0].box);
-            const StreamStep now = step(tree, residency, view, options);
+            const std::vector<View> coming(random.next() % 3, testing::made_view(random, tree[0].box));
+            const StreamStep now = step(tree, residency, view, options, coming);
             if (had_root) {
                 ASSERT_TRUE(testing::covers_each_leaf_once(tree, now.drawn));
             }
@@ -93,11 +97,12 @@ TEST(Stream, WhatIsWantedAlwaysFindsRoom) {
     bool was_bounded = false;
     for (int jump = 0; jump < 200; ++jump) {
         const View view = testing::made_view(random, tree[0].box);
-        StreamStep now = step(tree, residency, view, options);
+        const std::vector<View> coming(jump % 2, testing::made_view(random, tree[0].box));
+        StreamStep now = step(tree, residency, view, options, coming);
         for (int round = 0; !now.requests.empty(); ++round) {
             ASSERT_LT(round, 100) << "it stalls";
             for (const std::uint32_t node : now.requests) ASSERT_TRUE(arrive(tree, residency, node, options));
-            now = step(tree, residency, view, options);
+            now = step(tree, residency, view, options, coming);
         }
         was_bounded = was_bounded || now.bounded;
     }
@@ -125,6 +130,82 @@ TEST(Stream, AnOrphanIsNotKept) {
     Residency residency = nothing_here(tree);
     EXPECT_FALSE(arrive(tree, residency, tree[0].first_child, {}));
     EXPECT_EQ(residency.held_bytes, 0u);
+}
+
+TEST(Stream, WhatOnlyAComingViewRefinesIsFetchedLastAndNotDrawn) {
+    Random random(26);
+    const LodTree tree = testing::made_tree(500, random);
+    for (int round = 0; round < 20; ++round) {
+        const View view = testing::made_view(random, tree[0].box);
+        const std::vector<View> coming{testing::made_view(random, tree[0].box)};
+        StreamOptions options;
+        Residency alone = nothing_here(tree), both = nothing_here(tree);
+        StreamStep plain = step(tree, alone, view, options), now = step(tree, both, view, options, coming);
+        while (!now.requests.empty() || !plain.requests.empty()) {
+            const std::vector<std::uint32_t> urgent(now.requests.begin(),
+                                                    now.requests.end() - std::ptrdiff_t(now.ahead));
+            EXPECT_EQ(urgent, plain.requests);
+            EXPECT_EQ(now.drawn, plain.drawn);
+            for (const std::uint32_t node : plain.requests) ASSERT_TRUE(arrive(tree, alone, node, options));
+            for (const std::uint32_t node : now.requests) ASSERT_TRUE(arrive(tree, both, node, options));
+            plain = step(tree, alone, view, options);
+            now = step(tree, both, view, options, coming);
+        }
+        const std::vector<std::uint32_t> drawn_later = step(tree, both, coming.front(), options).drawn;
+        Residency there = nothing_here(tree);
+        StreamStep later = step(tree, there, coming.front(), options);
+        while (!later.requests.empty()) {
+            for (const std::uint32_t node : later.requests) ASSERT_TRUE(arrive(tree, there, node, options));
+            later = step(tree, there, coming.front(), options);
+        }
+        EXPECT_EQ(drawn_later, later.drawn) << "it is all there when it is wanted";
+    }
+}
+
+// Frames of a camera that turns around and moves on, with room for half of the tree, over a network that takes ten
+// frames for a tile: the sum of what the drawn cut is off beyond the tolerance, once the first tiles are there.
+double missing_px(const LodTree& tree, bool looks_ahead) {
+    const double radius = tree[0].box.radius();
+    Residency residency = nothing_here(tree);
+    StreamOptions options;
+    options.max_requests = 32;
+    options.max_bytes = std::accumulate(residency.bytes.begin(), residency.bytes.end(), std::uint64_t{0}) / 2;
+    std::vector<View> path;
+    for (int frame = 0; frame < 600; ++frame) {
+        const double angle = 0.02 * frame;
+        View view;
+        view.eye = tree[0].box.center() + radius * Vec3d{0.3 * std::cos(0.2 * angle), 0.1, 0.3 * std::sin(0.2 * angle)};
+        view.target = view.eye + Vec3d{std::sin(angle), -0.1, std::cos(angle)};
+        view.near = 1e-3 * radius;
+        path.push_back(view);
+    }
+    constexpr std::size_t latency = 10, settled = 100;
+    std::map<std::uint32_t, std::size_t> in_flight;  // since which frame
+    double missing = 0.0;
+    for (std::size_t frame = 1; frame < path.size(); ++frame) {
+        std::vector<View> coming;
+        if (looks_ahead)
+            for (const double steps : {10.0, 30.0}) coming.push_back(ahead_of(path[frame - 1], path[frame], steps));
+        const StreamStep now = step(tree, residency, path[frame], options, coming);
+        std::map<std::uint32_t, std::size_t> still;
+        for (const std::uint32_t node : now.requests) still[node] = in_flight.emplace(node, frame).first->second;
+        in_flight = std::move(still);
+        for (const auto& [node, since] : in_flight)
+            if (frame - since >= latency) arrive(tree, residency, node, options);
+        if (frame < settled) continue;
+        const Projection projection(path[frame]);
+        for (const std::uint32_t node : now.drawn)
+            missing += std::max(0.0, projection.error_px(tree[node].box, tree[node].error) - options.tolerance_px);
+    }
+    return missing;
+}
+
+TEST(Stream, LookingAheadAlongTheMotionHalvesWhatIsMissed) {
+    Random random(27);
+    for (int round = 0; round < 5; ++round) {
+        const LodTree tree = testing::made_tree(400, random);
+        EXPECT_LT(missing_px(tree, true), 0.5 * missing_px(tree, false));
+    }
 }
 
 }  // namespace

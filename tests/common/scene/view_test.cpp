@@ -105,5 +105,29 @@ TEST(View, RefusesWhatIsNoView) {
     EXPECT_TRUE(refused([](View& v) { v.target = Vec3d{1e308}, v.eye = Vec3d{-1e308}; }));
 }
 
+TEST(AheadOf, GoesOnStraightAndTurnsOnAsTheMotionDid) {
+    View before, now;
+    before.eye = {0, 0, 0};
+    before.target = {0, 0, -2};
+    now.eye = {1, 0, 0};
+    now.target = now.eye + 2.0 * Vec3d{std::sin(0.1), 0, -std::cos(0.1)};
+    const View view = ahead_of(before, now, 3.0);
+    EXPECT_NEAR(distance(view.eye, Vec3d{4, 0, 0}), 0.0, 1e-12);
+    EXPECT_NEAR(distance(view.target, view.eye + 2.0 * Vec3d{std::sin(0.4), 0, -std::cos(0.4)}), 0.0, 1e-12);
+}
+
+TEST(AheadOf, IsAValidViewWhateverTheMotion) {
+    View before, now;
+    for (const Vec3d& jump : {Vec3d{0, 0, 0}, Vec3d{1e300, -1e300, 1e300}, Vec3d{1e-300, 0, 0}})
+        for (const Vec3d& look : {Vec3d{0, 0, -1}, Vec3d{0, 0, 1}, Vec3d{1, 0, 0}, Vec3d{1e-9, 1, 1e-9}})
+            for (const double steps : {0.0, 1.0, 1e6, 1e300}) {
+                now.eye = before.eye + jump;
+                now.target = now.eye + look;
+                now.up = {0.3, 0.1, 0.9};
+                if (!validate(now)) continue;
+                EXPECT_TRUE(validate(ahead_of(before, now, steps)).ok());
+            }
+}
+
 }  // namespace
 }  // namespace lodestream::scene
