@@ -80,13 +80,18 @@ void add_slices(std::span<const Hit> column, const ViewSize& size, std::vector<S
     }
 }
 
+// The first of the nearest ones. A column may have thousands of hits: it is in the order of their depths.
 const Hit* nearest_in(std::span<const Hit> column, float depth, double within) {
-    const Hit* best = nullptr;
-    for (const Hit& hit : column)
-        if (std::abs(hit.depth - depth) <= within &&
-            (!best || std::abs(hit.depth - depth) < std::abs(best->depth - depth)))
-            best = &hit;
-    return best;
+    const auto first_from = [&](float least) {
+        return std::lower_bound(column.begin(), column.end(), least, [](const Hit& h, float d) { return h.depth < d; });
+    };
+    const auto behind = first_from(depth);
+    auto best = behind;
+    if (behind != column.begin()) {
+        const float before = (behind - 1)->depth;
+        if (behind == column.end() || depth - before <= behind->depth - depth) best = first_from(before);
+    }
+    return best != column.end() && std::abs(best->depth - depth) <= within ? &*best : nullptr;
 }
 
 // The neighbours of one pixel: beside it first, then across its corners.
@@ -140,7 +145,9 @@ void close_holes(const Layers& layers, const ViewSize& size, std::uint32_t x, st
     std::vector<Hit> filled;
     for (std::size_t k = 0; k < beside; ++k)
         for (const Hit& seed : columns[k]) {
-            if (nearest_in(here, seed.depth, size.slice_px) || nearest_in(filled, seed.depth, size.slice_px)) continue;
+            const auto is_near = [&](const Hit& hit) { return std::abs(hit.depth - seed.depth) <= size.slice_px; };
+            if (nearest_in(here, seed.depth, size.slice_px) || std::any_of(filled.begin(), filled.end(), is_near))
+                continue;
             Hit hit{pixel, 0.0f, 0};
             if (fills(vote_at(columns, seed.depth, size.slice_px), filter, hit)) filled.push_back(hit);
         }

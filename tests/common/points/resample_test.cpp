@@ -225,5 +225,22 @@ TEST(View, FiltersKeepAWindowOpen) {
         for (const Sample& sample : sampled(hits, {5, 5, 1.0}, filter)) EXPECT_NE(sample.hit.pixel, 12u);
 }
 
+// A scene of millions of triangles seen small: hours, if every hit were compared with all beside it.
+TEST(View, AHoleAmongCrowdedPixelsIsClosedAtEveryDepthOnce) {
+    constexpr std::uint32_t crowd = 100'000;
+    constexpr double depth = 50.0;
+    std::vector<Hit> hits;
+    for (std::uint32_t pixel = 0; pixel < 25; ++pixel)
+        for (std::uint32_t k = 0; pixel != 12 && k < crowd; ++k)
+            hits.push_back({pixel, static_cast<float>(depth * k / crowd), k});
+    std::vector<float> filled;
+    for (const Sample& sample : sampled(std::move(hits), {5, 5, 1.0}, HoleFilter::median))
+        if (sample.fills_a_hole) filled.push_back(sample.hit.depth);
+    ASSERT_FALSE(filled.empty());
+    EXPECT_LE(filled.size(), static_cast<std::size_t>(depth) + 1);
+    for (double d = 0.0; d < depth; d += 0.1)
+        EXPECT_TRUE(std::any_of(filled.begin(), filled.end(), [&](float f) { return std::abs(f - d) <= 1.0; })) << d;
+}
+
 }  // namespace
 }  // namespace lodestream::points
