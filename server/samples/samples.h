@@ -19,7 +19,7 @@ inline constexpr std::uint64_t min_terrain_vertices = 3;
 inline constexpr std::uint64_t min_ship_objects = 1;  // the hull
 inline constexpr std::uint64_t max_sample_triangles = 20'000'000;
 inline constexpr std::uint64_t max_terrain_vertices = max_sample_triangles / 2;
-inline constexpr std::uint64_t max_ship_objects = 20'000;
+inline constexpr std::uint64_t max_ship_objects = 126'630;  // HLOD paper's ship
 
 // Errors of all three: invalid_input (fewer than the least), limit_exceeded (more than the most).
 
