@@ -140,12 +140,11 @@ StreamStep step(std::span<const LodNode> tree, Residency& residency, const View&
     Wanted wanted{{}, std::vector<bool>(tree.size(), false), residency.bytes[0]};
     StreamStep result;
     result.bounded = !add_view(tree, residency, view, options, wanted);
-    result.requests = next_requests(tree, residency, wanted, options.max_requests);
-    const std::size_t urgent = result.requests.size();
     const std::vector<bool> refined_now = wanted.is_refined;
     for (const View& later : coming) add_view(tree, residency, later, options, wanted);
-    if (!coming.empty()) result.requests = next_requests(tree, residency, wanted, options.max_requests);
-    result.ahead = result.requests.size() - urgent;
+    result.requests = next_requests(tree, residency, wanted, options.max_requests);
+    for (const std::uint32_t node : result.requests)
+        if (node != 0 && !refined_now[tree[node].parent]) ++result.ahead;
 
     mark_used(tree, residency, wanted);
     std::uint64_t bytes = 0;

@@ -31,13 +31,13 @@ constexpr std::size_t sampled_positions = 64;  // one of so many is asked for th
 constexpr float region_slack = 1.5f;
 constexpr float whole_slack = 1.1f;
 
+constexpr double retry_share = 0.9;  // refused merges are tried again when this share of the triangles is left
+constexpr std::size_t merges_per_report = 2048;
+
 // The triangles that a region of so many positions loses.
 std::size_t goal_of(std::size_t positions) {
     return static_cast<std::size_t>(2.0 * (1.0 - region_share) * static_cast<double>(positions));
 }
-
-constexpr double retry_share = 0.9;  // refused merges are tried again when this share of the triangles is left
-constexpr std::size_t merges_per_report = 2048;
 
 // Progress and cancellation, from any worker.
 class Monitor {

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <optional>
+#include <utility>
 
 #include "tests/bench/copied_process.h"
 #include "tests/bench/engine.h"
@@ -26,8 +28,8 @@ struct Arguments {
 };
 
 struct GrowthResult {
-    std::uint64_t series = 0;     // of the arguments'
-    std::uint64_t triangles = 0;  // 0: more than wanted, nothing else was measured
+    std::string series;
+    std::uint64_t triangles = 0;
     std::uint64_t vertices = 0;
     Duration record;  // median
     double bytes_per_vertex = 0.0;
@@ -47,8 +49,7 @@ std::vector<std::string> specs_of(const std::string& series) {
     return specs;
 }
 
-GrowthResult measure_time(std::uint64_t series, const mesh::Mesh& mesh, int rounds) {
-    GrowthResult result{series, mesh.triangles.size(), mesh.positions.size(), {}, 0.0};
+Duration median_time(const mesh::Mesh& mesh, int rounds) {
     std::vector<double> wall, cpu;
     for (int round = 0; round < rounds; ++round) {
         mesh::Mesh own = mesh;
@@ -58,7 +59,33 @@ GrowthResult measure_time(std::uint64_t series, const mesh::Mesh& mesh, int roun
         wall.push_back(took.wall_ms);
         cpu.push_back(took.cpu_ms);
     }
-    result.record = {percentile(wall, 0.5), percentile(cpu, 0.5)};
+    return {percentile(wall, 0.5), percentile(cpu, 0.5)};
+}
+
+// In a copy of this process, whose heap stays as it was: the next model's memory is measured in it. Nothing where the
+// model has more triangles than wanted.
+std::optional<GrowthResult> measure_growth(const Arguments& arguments, const std::string& series,
+                                           const std::string& spec) {
+    GrowthResult result;
+    result.series = series;
+    const auto measure = [&](std::FILE* out) {
+        const Result<Input> input = load_input(spec, arguments.data);
+        if (!input) throw std::runtime_error(input.error().message);
+        const std::uint64_t triangles = input->mesh.triangles.size(), vertices = input->mesh.positions.size();
+        send_bytes(&triangles, sizeof triangles, out);
+        send_bytes(&vertices, sizeof vertices, out);
+        if (triangles > arguments.max_triangles) return;
+        const Duration record = median_time(input->mesh, arguments.rounds);
+        send_bytes(&record, sizeof record, out);
+    };
+    run_in_copy(measure, [&](std::FILE* in) {
+        receive_bytes(&result.triangles, sizeof result.triangles, in);
+        receive_bytes(&result.vertices, sizeof result.vertices, in);
+        if (result.triangles <= arguments.max_triangles) receive_bytes(&result.record, sizeof result.record, in);
+    });
+    if (result.triangles > arguments.max_triangles) return std::nullopt;
+    result.bytes_per_vertex =
+        static_cast<double>(recording_peak_bytes(spec, arguments.data)) / static_cast<double>(result.vertices);
     return result;
 }
 
@@ -67,19 +94,18 @@ double n_log_n(const GrowthResult& result) {
     return n * std::log2(n);
 }
 
-std::string growth_table(const std::vector<GrowthResult>& results, const std::vector<std::string>& series) {
+std::string growth_table(const std::vector<GrowthResult>& results) {
     std::vector<TableRow> rows{
         {"series", "triangles", "vertices", "wall ms", "CPU ms", "Mtri/s", "CPU ns / (n log2 n)", "bytes/vertex"}};
     for (const GrowthResult& r : results)
-        rows.push_back({series[r.series], std::to_string(r.triangles), std::to_string(r.vertices),
-                        fixed(r.record.wall_ms, 0), fixed(r.record.cpu_ms, 0),
-                        fixed(static_cast<double>(r.triangles) / r.record.wall_ms / 1e3, 3),
+        rows.push_back({r.series, std::to_string(r.triangles), std::to_string(r.vertices), fixed(r.record.wall_ms, 0),
+                        fixed(r.record.cpu_ms, 0), fixed(static_cast<double>(r.triangles) / r.record.wall_ms / 1e3, 3),
                         fixed(1e6 * r.record.cpu_ms / n_log_n(r), 2), fixed(r.bytes_per_vertex, 0)});
     return to_text(rows);
 }
 
 // The exponent p in t = c (n log n)^p: the slope of a line through the logarithms.
-Line fit_growth(const std::vector<GrowthResult>& results, std::uint64_t series, double Duration::*time) {
+Line fit_growth(const std::vector<GrowthResult>& results, const std::string& series, double Duration::*time) {
     std::vector<Sample> samples;
     for (const GrowthResult& r : results)
         if (r.series == series) samples.push_back({std::log(n_log_n(r)), std::log(r.record.*time)});
@@ -88,22 +114,21 @@ Line fit_growth(const std::vector<GrowthResult>& results, std::uint64_t series, 
 
 std::string fit_table(const std::vector<GrowthResult>& results, const std::vector<std::string>& series) {
     std::vector<TableRow> rows{{"series", "exponent of n log n, CPU", "wall", "R squared", "target", "verdict"}};
-    for (std::uint64_t k = 0; k < series.size(); ++k) {
-        const Line wall = fit_growth(results, k, &Duration::wall_ms);
-        const Line cpu = fit_growth(results, k, &Duration::cpu_ms);
-        rows.push_back({series[k], fixed(cpu.slope, 3), fixed(wall.slope, 3), fixed(cpu.r_squared, 4),
+    for (const std::string& name : series) {
+        const Line wall = fit_growth(results, name, &Duration::wall_ms);
+        const Line cpu = fit_growth(results, name, &Duration::cpu_ms);
+        rows.push_back({name, fixed(cpu.slope, 3), fixed(wall.slope, 3), fixed(cpu.r_squared, 4),
                         "<= " + fixed(exponent_target, 2), cpu.slope <= exponent_target ? "pass" : "FAIL"});
     }
     return to_text(rows);
 }
 
-void write_csv(const std::string& file, const std::vector<GrowthResult>& results,
-               const std::vector<std::string>& series) {
+void write_csv(const std::string& file, const std::vector<GrowthResult>& results) {
     std::ofstream out(file);
     out << "series,triangles,vertices,wall_ms,cpu_ms,peak_bytes_per_vertex\n";
     for (const GrowthResult& r : results)
-        out << series[r.series] << ',' << r.triangles << ',' << r.vertices << ',' << r.record.wall_ms << ','
-            << r.record.cpu_ms << ',' << r.bytes_per_vertex << '\n';
+        out << r.series << ',' << r.triangles << ',' << r.vertices << ',' << r.record.wall_ms << ',' << r.record.cpu_ms
+            << ',' << r.bytes_per_vertex << '\n';
     if (!out) throw std::runtime_error("cannot write " + file);
 }
 
@@ -112,7 +137,7 @@ report::Series n_log_n_series(const report::Series& measured, const GrowthResult
                               const std::vector<GrowthResult>& results) {
     report::Series series{measured.name + " if n log n", {}, true, false, true, measured.style};
     for (const GrowthResult& r : results)
-        if (r.series == first.series)
+        if (r.series == measured.name)
             series.points.push_back(
                 {static_cast<double>(r.triangles), first.record.cpu_ms * n_log_n(r) / n_log_n(first), "n log n"});
     return series;
@@ -126,12 +151,12 @@ void write_plot(const std::string& file, const std::vector<GrowthResult>& result
     for (std::size_t k = 0; k < names.size(); ++k) {
         report::Series times{names[k], {}, true, true, false, k}, bytes = times;
         for (const GrowthResult& r : results) {
-            if (r.series != k) continue;
+            if (r.series != names[k]) continue;
             const double n = static_cast<double>(r.triangles);
             times.points.push_back({n, r.record.cpu_ms, brief(n) + " triangles: " + brief(r.record.cpu_ms) + " ms"});
             bytes.points.push_back({n, r.bytes_per_vertex, brief(r.bytes_per_vertex) + " bytes a vertex"});
         }
-        const auto first = std::ranges::find(results, k, &GrowthResult::series);
+        const auto first = std::ranges::find(results, names[k], &GrowthResult::series);
         time.series.push_back(times);
         time.series.push_back(n_log_n_series(times, *first, results));
         memory.series.push_back(bytes);
@@ -148,36 +173,18 @@ void print_memory_verdict(const std::vector<GrowthResult>& results) {
               << (most <= memory_target_bytes ? "pass" : "FAIL") << '\n';
 }
 
-// In a copy of this process, whose heap stays as it was: the next model's memory is measured in it.
-GrowthResult measure_growth(const Arguments& arguments, std::uint64_t series, const std::string& spec) {
-    GrowthResult result;
-    const auto measure = [&](std::FILE* out) {
-        const Result<Input> input = load_input(spec, arguments.data);
-        if (!input) throw std::runtime_error(input.error().message);
-        GrowthResult measured;
-        if (input->mesh.triangles.size() <= arguments.max_triangles)
-            measured = measure_time(series, input->mesh, arguments.rounds);
-        send_bytes(&measured, sizeof measured, out);
-    };
-    run_in_copy(measure, [&](std::FILE* in) { receive_bytes(&result, sizeof result, in); });
-    if (result.triangles > 0)
-        result.bytes_per_vertex =
-            static_cast<double>(recording_peak_bytes(spec, arguments.data)) / static_cast<double>(result.vertices);
-    return result;
-}
-
 void run(const Arguments& arguments) {
     std::vector<GrowthResult> results;
-    for (std::uint64_t series = 0; series < arguments.series.size(); ++series)
-        for (const std::string& spec : specs_of(arguments.series[series])) {
+    for (const std::string& series : arguments.series)
+        for (const std::string& spec : specs_of(series)) {
             std::cerr << spec << std::endl;
-            const GrowthResult result = measure_growth(arguments, series, spec);
-            if (result.triangles == 0) break;
-            results.push_back(result);
+            std::optional<GrowthResult> result = measure_growth(arguments, series, spec);
+            if (!result) break;
+            results.push_back(*std::move(result));
         }
-    std::cout << growth_table(results, arguments.series) << '\n' << fit_table(results, arguments.series);
+    std::cout << growth_table(results) << '\n' << fit_table(results, arguments.series);
     print_memory_verdict(results);
-    if (!arguments.csv_file.empty()) write_csv(arguments.csv_file, results, arguments.series);
+    if (!arguments.csv_file.empty()) write_csv(arguments.csv_file, results);
     if (!arguments.plot_file.empty()) write_plot(arguments.plot_file, results, arguments.series);
 }
 

@@ -22,10 +22,6 @@ corpus=build/fuzz/corpus/$target findings=build/fuzz/findings
 # Names of the importer's formats in the order of their numbers, which a seed begins with.
 formats=(gltf glb obj ply stl off drc png hgt asc)
 
-# Each seed file behind the bytes that the target reads before it.
-seed_files() {
-    find -L ../shared/data -type f -size "-${max_seed_bytes}c" 2>/dev/null || true
-}
 format_byte() {
     local extension=${1##*.} k
     for k in "${!formats[@]}"; do
@@ -33,6 +29,7 @@ format_byte() {
     done
     return 1
 }
+# Each seed file behind the bytes that the target reads before it.
 seed() {
     mkdir -p "$corpus"
     local file n=0
@@ -45,7 +42,7 @@ seed() {
             level_codec) [[ ${file,,} == *.@(glb|drc) ]] && cp "$file" "$corpus/seed$n" ;;
             messages) [[ $file == *.json ]] && cp "$file" "$corpus/seed$n" ;;
         esac || true
-    done < <(seed_files)
+    done < <(find -L ../shared/data -type f -size "-${max_seed_bytes}c" 2>/dev/null)
     if [[ $target == messages ]]; then cp proto/examples/*.json "$corpus/"; fi
 }
 

@@ -60,9 +60,9 @@ TEST(Ship, RefusesNoneAndTooMany) {
     EXPECT_EQ(ship(max_ship_objects + 1).error().code, ErrorCode::limit_exceeded);
 }
 
-// The largest has as many triangles an object as one of a thirtieth, or fewer.
+// The largest has no more triangles an object than one of a sixth.
 TEST(Ship, StaysBelowTheTriangleLimitAtItsLargest) {
-    constexpr std::uint64_t share = 30;
+    constexpr std::uint64_t share = 6;
     const auto model = ship(max_ship_objects / share);
     ASSERT_TRUE(model.ok());
     EXPECT_LE(share * model->mesh.triangles.size(), max_sample_triangles);
