@@ -144,6 +144,19 @@ Conversion conversion_from(draco::DataType type) {
     }
 }
 
+// The usual case at once: floats side by side, one value a point.
+bool read_floats(const draco::PointAttribute& source, std::uint32_t points, std::vector<float>& values) {
+    const std::size_t bytes = std::size_t{points} * source.num_components() * sizeof(float);
+    if (source.data_type() != draco::DT_FLOAT32 || !source.is_mapping_identity() || source.size() < points ||
+        source.byte_offset() != 0 ||
+        source.byte_stride() != static_cast<std::int64_t>(source.num_components() * sizeof(float)) ||
+        source.buffer()->data_size() < bytes)
+        return false;
+    values.resize(bytes / sizeof(float));
+    if (bytes > 0) std::memcpy(values.data(), source.buffer()->data(), bytes);
+    return true;
+}
+
 Result<DracoAttribute> read_attribute(const draco::PointAttribute& source, std::uint32_t points) {
     const Conversion convert = conversion_from(source.data_type());
     if (!convert) return invalid_input("Draco: attribute of an unknown data type");
@@ -153,6 +166,7 @@ Result<DracoAttribute> read_attribute(const draco::PointAttribute& source, std::
     attribute.semantic = semantic_of(source.attribute_type());
     attribute.components = source.num_components();
     attribute.normalized = source.normalized();
+    if (read_floats(source, points, attribute.values)) return attribute;
     attribute.values.reserve(std::size_t{points} * source.num_components());
     const int size = draco::DataTypeLength(source.data_type());
     const std::uint64_t stored = source.buffer()->data_size();
@@ -167,6 +181,20 @@ Result<DracoAttribute> read_attribute(const draco::PointAttribute& source, std::
             attribute.values.push_back(convert(source.buffer()->data() + start + c * size, attribute.normalized));
     }
     return attribute;
+}
+
+// pre: the attribute was read
+std::vector<std::uint32_t> first_points(const draco::PointAttribute& positions, std::uint32_t points) {
+    std::vector<std::uint32_t> result;
+    if (positions.is_mapping_identity() || positions.size() >= points) return result;
+    constexpr std::uint32_t none = 0xffffffffu;
+    std::vector<std::uint32_t> first(positions.size(), none);
+    result.reserve(points);
+    for (std::uint32_t p = 0; p < points; ++p) {
+        std::uint32_t& of_value = first[positions.mapped_index(draco::PointIndex(p)).value()];
+        result.push_back(of_value = std::min(of_value, p));
+    }
+    return result;
 }
 
 Result<DracoMesh> read_geometry(const draco::PointCloud& cloud, const draco::Mesh* mesh) {
@@ -187,6 +215,8 @@ Result<DracoMesh> read_geometry(const draco::PointCloud& cloud, const draco::Mes
         if (source.num_components() < 1 || source.num_components() > 4) continue;
         Result<DracoAttribute> attribute = read_attribute(source, result.points);
         if (!attribute) return attribute.error();
+        if (mesh && attribute->semantic == DracoAttribute::Semantic::position)
+            result.first_at_position = first_points(source, result.points);
         if (!result.attributes.emplace(source.unique_id(), std::move(*attribute)).second)
             return invalid_input("Draco: two attributes have the id " + std::to_string(source.unique_id()));
     }
@@ -230,6 +260,13 @@ Result<DracoMesh> decode(std::span<const std::byte> bytes, std::uint64_t max_poi
 }
 
 }  // namespace
+
+std::vector<mesh::Triangle> between_positions(std::vector<mesh::Triangle> triangles,
+                                              const std::vector<std::uint32_t>& first_at_position) {
+    for (mesh::Triangle& t : triangles)
+        for (std::uint32_t& corner : t) corner = first_at_position.empty() ? corner : first_at_position[corner];
+    return triangles;
+}
 
 Result<DracoMesh> decode_draco(std::span<const std::byte> bytes, std::uint64_t max_points,
                                std::uint64_t max_triangles) {

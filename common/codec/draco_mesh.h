@@ -25,7 +25,13 @@ struct DracoMesh {
     std::uint32_t points = 0;
     std::vector<mesh::Triangle> triangles;               // empty for a point cloud
     std::map<std::uint32_t, DracoAttribute> attributes;  // by Draco's unique id
+    // Of each point, the first one with the same value as its position; empty: no two points share one.
+    std::vector<std::uint32_t> first_at_position;
 };
+
+// Between the first points at their positions; as they are where `first_at_position` is empty.
+std::vector<mesh::Triangle> between_positions(std::vector<mesh::Triangle> triangles,
+                                              const std::vector<std::uint32_t>& first_at_position);
 
 // Decodes hostile bytes. Errors: invalid_input (damaged, truncated), limit_exceeded (more than max_points or faces).
 // Costs at most about what a sound stream of the same length and counts costs.

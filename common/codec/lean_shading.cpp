@@ -1,222 +1,350 @@
 #include "common/codec/lean_shading.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numeric>
+#include <draco/compression/bit_coders/rans_bit_decoder.h>
+#include <draco/compression/bit_coders/rans_bit_encoder.h>
+#include <draco/compression/entropy/symbol_decoding.h>
+#include <draco/compression/entropy/symbol_encoding.h>
+#include <draco/core/decoder_buffer.h>
+#include <draco/core/encoder_buffer.h>
+#include <draco/core/varint_decoding.h>
+#include <draco/core/varint_encoding.h>
 
-#include "common/base/packed_normal.h"
-#include "common/mesh/operations.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
 
 namespace lodestream::codec {
 namespace {
 
 using Triangles = std::vector<mesh::Triangle>;
+using Symbols = std::vector<std::uint32_t>;
 
-constexpr std::size_t max_compared_faces = 64;      // at one position; beyond, all corners there take the whole average
-constexpr std::uint32_t steps_between_bytes = 258;  // of a packed normal's coordinate: 16 bits to 8
+const Vec3f up{0, 1, 0};
 
-// Numbers of seven bits a byte, the lowest first; the top bit says that more follow.
-void put_number(std::vector<std::byte>& bytes, std::uint64_t number) {
-    for (; number >= 0x80; number >>= 7) bytes.push_back(static_cast<std::byte>(number | 0x80));
-    bytes.push_back(static_cast<std::byte>(number));
+// Of one position; beyond them a corner is compared with the last ones.
+constexpr std::size_t max_compared = 64;
+// Faces that meet at less than this angle are expected to have one normal.
+const auto least_cosine_within_group = static_cast<float>(std::cos(radians(40.0)));
+// Steps of residuals are powers of this root of two, numbered downwards from 1.
+constexpr double step_numbers_an_octave = 4.0;
+// Behind everything, since some of the symbols' codes do not notice that their end is missing.
+constexpr std::uint8_t end_mark = 0x4c;
+// A residual's coordinate is the tangent of half an angle: 179.8 degrees.
+constexpr double max_coordinate = 512.0;
+
+// Faces and sums in units of the largest extent, so that no product of two lengths leaves single precision.
+float inverse_extent(const std::vector<Vec3f>& positions) {
+    Vec3f low(std::numeric_limits<float>::max()), high(-low);
+    for (const Vec3f& p : positions) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    const double extent = std::max({double{high.x} - low.x, double{high.y} - low.y, double{high.z} - low.z});
+    constexpr double largest = std::numeric_limits<float>::max();
+    return extent > 0.0 ? static_cast<float>(std::min(1.0 / extent, largest)) : 1.0f;
 }
 
-void put_normal(std::vector<std::byte>& bytes, const Vec3f& normal) {
-    const std::uint32_t packed = pack_normal(normal);
-    for (const std::uint32_t half : {packed & 0xffffu, packed >> 16}) {
-        const double coordinate = static_cast<std::int16_t>(half);
-        bytes.push_back(
-            static_cast<std::byte>(static_cast<std::int8_t>(std::lround(coordinate / steps_between_bytes))));
-    }
+Vec3f unit_or(const Vec3f& v, const Vec3f& otherwise) {
+    const float square = dot(v, v);
+    return square > std::numeric_limits<float>::min() ? v * (1.0f / std::sqrt(square)) : otherwise;
 }
 
-// Reads what the two above wrote. After the first failure everything reads as zero.
-class ByteReader {
-  public:
-    explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
-
-    bool failed() const { return failed_; }
-    bool at_end() const { return bytes_.empty(); }
-
-    std::uint64_t number() {
-        std::uint64_t result = 0;
-        for (unsigned shift = 0; shift < 35; shift += 7) {
-            const auto byte = std::to_integer<std::uint64_t>(next());
-            result |= (byte & 0x7f) << shift;
-            if (byte < 0x80) return result;
-        }
-        failed_ = true;
-        return 0;
-    }
-
-    Vec3f normal() {
-        const auto coordinate = [&] {
-            const int steps = static_cast<std::int8_t>(next()) * static_cast<int>(steps_between_bytes);
-            return static_cast<std::uint32_t>(static_cast<std::uint16_t>(steps));
-        };
-        const std::uint32_t u = coordinate(), v = coordinate();
-        return unpack_normal(u | v << 16);
-    }
-
-  private:
-    std::byte next() {
-        failed_ = failed_ || bytes_.empty();
-        if (failed_) return std::byte{0};
-        const std::byte first = bytes_.front();
-        bytes_ = bytes_.subspan(1);
-        return first;
-    }
-
-    std::span<const std::byte> bytes_;
-    bool failed_ = false;
-};
-
-Vec3f unit_or(const Vec3d& v, const Vec3d& otherwise) {
+Vec3d unit_or(const Vec3d& v, const Vec3d& otherwise) {
     const double size = length(v);
-    return Vec3f(size > 0.0 && std::isfinite(size) ? v / size : otherwise);
+    return size > 0.0 && std::isfinite(size) ? v / size : otherwise;
 }
 
-class NormalDeriver {
-  public:
-    NormalDeriver(const std::vector<Vec3f>& positions, const Triangles& triangles)
-        : triangles_(triangles), position_(mesh::weld_positions(positions)), sums_(positions.size(), Vec3d{0.0}) {
-        faces_.reserve(triangles.size());
-        for (const mesh::Triangle& t : triangles) {
-            const Vec3d a(positions[t[0]]);
-            faces_.push_back(cross(Vec3d(positions[t[1]]) - a, Vec3d(positions[t[2]]) - a));
-            units_.push_back(unit_or(faces_.back(), Vec3d{0.0}));
-            for (const std::uint32_t v : t) sums_[position_[v]] += faces_.back();
-        }
+double step_of(std::uint8_t number) {
+    return std::exp2(-number / step_numbers_an_octave);
+}
+
+// The coarsest step that leaves less than the tolerance.
+std::uint8_t step_number_for(double tolerance_degrees) {
+    const double half = radians(std::clamp(tolerance_degrees, 1e-3, 90.0)) / 2.0;
+    return static_cast<std::uint8_t>(std::ceil(-step_numbers_an_octave * std::log2(half)));
+}
+
+// Two directions across `n` and each other (Duff et al. 2017).
+std::array<Vec3d, 2> frame_around(const Vec3d& n) {
+    const double sign = std::copysign(1.0, n.z), a = -1.0 / (sign + n.z), b = n.x * n.y * a;
+    return {Vec3d{1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x}, Vec3d{b, sign + n.y * n.y * a, -n.y}};
+}
+
+// Steps of `normal`'s stereographic coordinates around `base`, signs in the lowest bits.
+std::array<std::uint32_t, 2> residual_of(const Vec3d& normal, const Vec3d& base, double step) {
+    const std::array<Vec3d, 2> frame = frame_around(base);
+    const double scale = 1.0 / std::max(1.0 + dot(normal, base), 1e-9);
+    std::array<std::uint32_t, 2> result{};
+    for (std::size_t k = 0; k < 2; ++k) {
+        const double coordinate = std::clamp(dot(normal, frame[k]) * scale, -max_coordinate, max_coordinate);
+        const auto steps = static_cast<std::int32_t>(std::lround(coordinate / step));
+        result[k] =
+            steps < 0 ? 2 * static_cast<std::uint32_t>(-(steps + 1)) + 1 : 2 * static_cast<std::uint32_t>(steps);
     }
-
-    const std::vector<Vec3f>& face_normals() const { return units_; }
-
-    std::vector<Vec3f> run() {
-        std::vector<Vec3f> average(sums_.size(), Vec3f{0.0f});
-        for (std::size_t v = 0; v < sums_.size(); ++v)
-            if (position_[v] == v) average[v] = unit_or(sums_[v], {0, 1, 0});
-        const std::vector<bool> creased = find_creased(average);
-        std::vector<Vec3f> normals;
-        normals.reserve(3 * triangles_.size());
-        for (std::uint32_t t = 0; t < triangles_.size(); ++t)
-            for (const std::uint32_t v : triangles_[t])
-                normals.push_back(creased[position_[v]] ? within_crease(t, position_[v], average[position_[v]])
-                                                        : average[position_[v]]);
-        return normals;
-    }
-
-  private:
-    // Where a face is farther from the average than half the crease, two may be farther from each other than all of it.
-    std::vector<bool> find_creased(const std::vector<Vec3f>& average) {
-        const auto least = static_cast<float>(std::cos(radians(lean_crease_degrees / 2)));
-        std::vector<bool> creased(average.size(), false);
-        bool any = false;
-        for (std::uint32_t t = 0; t < triangles_.size(); ++t)
-            for (const std::uint32_t v : triangles_[t])
-                if (units_[t] != Vec3f{0.0f} && dot(units_[t], average[position_[v]]) < least)
-                    any = creased[position_[v]] = true;
-        if (any) list_faces(creased);
-        return creased;
-    }
-
-    void list_faces(const std::vector<bool>& creased) {
-        first_.assign(creased.size() + 1, 0);
-        const auto for_each = [&](const auto& visit) {
-            for (std::uint32_t t = 0; t < triangles_.size(); ++t)
-                for (const std::uint32_t v : triangles_[t])
-                    if (creased[position_[v]]) visit(t, position_[v]);
-        };
-        for_each([&](std::uint32_t, std::uint32_t at) { ++first_[at + 1]; });
-        std::partial_sum(first_.begin(), first_.end(), first_.begin());
-        around_.resize(first_.back());
-        std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-        for_each([&](std::uint32_t t, std::uint32_t at) { around_[next[at]++] = t; });
-    }
-
-    Vec3f within_crease(std::uint32_t triangle, std::uint32_t at, const Vec3f& average) const {
-        const auto least = static_cast<float>(std::cos(radians(lean_crease_degrees)));
-        const std::span faces(around_.data() + first_[at], first_[at + 1] - first_[at]);
-        if (faces.size() > max_compared_faces || units_[triangle] == Vec3f{0.0f}) return average;
-        Vec3d sum{0.0};
-        for (const std::uint32_t t : faces)
-            if (dot(units_[t], units_[triangle]) >= least) sum += faces_[t];
-        return unit_or(sum, Vec3d(units_[triangle]));
-    }
-
-    const Triangles& triangles_;
-    const std::vector<std::uint32_t> position_;  // of each vertex, the first one at its place
-    std::vector<Vec3d> faces_, sums_;            // cross products: of each triangle, and summed at each position
-    std::vector<Vec3f> units_;                   // of faces_; (0,0,0) where there is no area
-    std::vector<std::uint32_t> first_, around_;  // the triangles at creased positions
-};
-
-// Normals to be sent: for a vertex, where all its Gouraud corners want the same one, else corner by corner.
-struct Corrections {
-    std::vector<std::pair<std::uint32_t, Vec3f>> vertices, corners;
-};
-
-Corrections find_corrections(const std::vector<Vec3f>& positions, const Triangles& triangles,
-                             const LeanShading& wanted) {
-    NormalDeriver deriver(positions, triangles);
-    const std::vector<Vec3f> derived = deriver.run();
-    const std::size_t vertices = positions.size();
-    const auto always_good = static_cast<float>(std::cos(radians(lean_always_good_degrees)));
-    const auto tolerance = static_cast<float>(std::cos(radians(lean_normal_tolerance_degrees)));
-    const auto off = [&](std::uint32_t c) {
-        const float flat = dot(deriver.face_normals()[c / 3], wanted.normals[c]);
-        return !(dot(derived[c], wanted.normals[c]) >= std::clamp(flat, tolerance, always_good));
-    };
-    constexpr std::uint32_t none = 0xffffffffu;
-    std::vector<std::uint32_t> first_corner(vertices, none);
-    std::vector<std::uint8_t> is_off(vertices, 0), differs(vertices, 0);
-    const auto for_each_gouraud = [&](const auto& visit) {
-        for (std::uint32_t t = 0; t < triangles.size(); ++t)
-            for (std::uint32_t k = 0; k < 3 && wanted.gouraud[t]; ++k) visit(3 * t + k, triangles[t][k]);
-    };
-    for_each_gouraud([&](std::uint32_t c, std::uint32_t v) {
-        if (first_corner[v] == none) first_corner[v] = c;
-        if (wanted.normals[c] != wanted.normals[first_corner[v]]) differs[v] = 1;
-        if (off(c)) is_off[v] = 1;
-    });
-    Corrections result;
-    for (std::uint32_t v = 0; v < vertices; ++v)
-        if (is_off[v] && !differs[v]) result.vertices.emplace_back(v, wanted.normals[first_corner[v]]);
-    for_each_gouraud([&](std::uint32_t c, std::uint32_t v) {
-        if (differs[v] && off(c)) result.corners.emplace_back(c, wanted.normals[c]);
-    });
     return result;
 }
 
-// `list`: by rising number.
-void put_corrections(std::vector<std::byte>& bytes, const std::vector<std::pair<std::uint32_t, Vec3f>>& list) {
-    put_number(bytes, list.size());
-    std::uint32_t next = 0;
-    for (const auto& [number, normal] : list) {
-        put_number(bytes, number - next);
-        put_normal(bytes, normal);
-        next = number + 1;
+Vec3d moved_by(const Vec3d& base, const std::array<std::uint32_t, 2>& residual, double step) {
+    const std::array<Vec3d, 2> frame = frame_around(base);
+    std::array<double, 2> p{};
+    for (std::size_t k = 0; k < 2; ++k) {
+        const auto half = static_cast<double>(residual[k] / 2);
+        p[k] = step * (residual[k] % 2 ? -half - 1.0 : half);
     }
+    return unit_or(2.0 * (p[0] * frame[0] + p[1] * frame[1]) + (1.0 - p[0] * p[0] - p[1] * p[1]) * base, base);
 }
 
-template <class Set>
-bool read_corrections(ByteReader& reader, std::uint64_t limit, const Set& set) {
-    const std::uint64_t count = reader.number();
-    std::uint64_t next = 0;
-    for (std::uint64_t i = 0; i < count; ++i) {
-        const std::uint64_t number = next + reader.number();
-        const Vec3f normal = reader.normal();
-        if (reader.failed() || number >= limit) return false;
-        set(static_cast<std::uint32_t>(number), normal);
-        next = number + 1;
-    }
-    return !reader.failed();
-}
+// What a face counts in the mean around a position: its area, as normals have that simplification merged, or the sine
+// of its angle there, close to the angle itself, as most programs make normals.
+enum class Weights : std::uint8_t { area, sine };
 
-bool read_runs(ByteReader& reader, std::vector<std::uint8_t>& gouraud, std::size_t triangles) {
+// The triangles around positions, and their Gouraud corners.
+class Surface {
+  public:
+    Surface(const std::vector<Vec3f>& positions, const Triangles& triangles, const std::vector<std::uint8_t>& gouraud,
+            Weights weights)
+        : positions_(positions),
+          triangles_(triangles),
+          gouraud_(gouraud),
+          weights_(weights),
+          scale_(inverse_extent(positions)),
+          sums_(positions.size(), Vec3f{0.0f}),
+          has_gouraud_(positions.size(), 0) {
+        for (std::uint32_t t = 0; t < triangles_.size(); ++t)
+            for (std::uint32_t k = 0; k < 3; ++k) has_gouraud_[triangles_[t][k]] |= gouraud_[t];
+        for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+            const Vec3f area = cross_product(triangles_[t]);
+            for (std::uint32_t k = 0; k < 3; ++k)
+                sums_[triangles_[t][k]] += weights_ == Weights::area ? area : by_sine(area, triangles_[t], k);
+        }
+    }
+
+    // Of the positions that `listed` names, in the order of triangles.
+    void list_corners(const std::vector<std::uint8_t>& listed) {
+        std::vector<std::uint32_t> found;
+        first_.assign(positions_.size() + 1, 0);
+        for (std::uint32_t t = 0; t < triangles_.size(); ++t)
+            for (std::uint32_t k = 0; k < 3; ++k)
+                if (const std::uint32_t p = triangles_[t][k]; listed[p] && gouraud_[t]) {
+                    found.push_back(3 * t + k);
+                    ++first_[p + 1];
+                }
+        std::partial_sum(first_.begin(), first_.end(), first_.begin());
+        corners_.resize(found.size());
+        std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+        for (const std::uint32_t corner : found) corners_[next[triangles_[corner / 3][corner % 3]]++] = corner;
+    }
+
+    std::uint32_t positions() const { return static_cast<std::uint32_t>(positions_.size()); }
+    bool has_gouraud(std::uint32_t position) const { return has_gouraud_[position] != 0; }
+    // pre: listed
+    std::span<const std::uint32_t> corners(std::uint32_t position) const {
+        return std::span(corners_).subspan(first_[position], first_[position + 1] - first_[position]);
+    }
+    std::size_t listed_corners() const { return corners_.size(); }
+    Vec3f face(std::uint32_t corner) const { return cross_product(triangles_[corner / 3]); }
+    Vec3f weighted_face(std::uint32_t corner) const {
+        return weights_ == Weights::area ? face(corner) : by_sine(face(corner), triangles_[corner / 3], corner % 3);
+    }
+    // The mean over all faces around a position.
+    Vec3f smooth(std::uint32_t position) const { return unit_or(sums_[position], up); }
+
+  private:
+    Vec3f cross_product(const mesh::Triangle& t) const {
+        const Vec3f a = positions_[t[0]] * scale_;
+        return cross(positions_[t[1]] * scale_ - a, positions_[t[2]] * scale_ - a);
+    }
+
+    const std::vector<Vec3f>& positions_;
+    const Triangles& triangles_;
+    // pre: `area` is the triangle's
+    Vec3f by_sine(const Vec3f& area, const mesh::Triangle& t, std::uint32_t k) const {
+        const Vec3f at = positions_[t[k]] * scale_;
+        const Vec3f a = positions_[t[(k + 1) % 3]] * scale_ - at, b = positions_[t[(k + 2) % 3]] * scale_ - at;
+        const float lengths = std::sqrt(dot(a, a) * dot(b, b));
+        return lengths > std::numeric_limits<float>::min() ? area * (1.0f / lengths) : Vec3f{0.0f};
+    }
+
+    const std::vector<std::uint8_t>& gouraud_;
+    Weights weights_;
+    float scale_;
+    std::vector<Vec3f> sums_;
+    std::vector<std::uint8_t> has_gouraud_;
+    std::vector<std::uint32_t> first_, corners_;
+};
+
+// The groups of one position's corners after another.
+class Groups {
+  public:
+    explicit Groups(const Surface& surface) : surface_(surface) {}
+
+    // pre: listed; count > 0
+    void start(std::uint32_t position, std::uint32_t count) {
+        corners_ = surface_.corners(position);
+        count_ = count;
+        new_group_ = 0;
+        group_.clear();
+        unit_faces_.clear();
+        bases_.assign(count, Vec3f{0.0f});
+    }
+    // The group that the next corner is expected in: that of the earlier corner whose face is closest to its own, or a
+    // new one. What is sent is by how much that is wrong.
+    std::uint32_t expected() {
+        const std::uint32_t corner = corners_[group_.size()];
+        const Vec3f unit = unit_or(surface_.face(corner), Vec3f{0.0f});
+        std::uint32_t result = std::min(new_group_, count_ - 1);
+        float closest = least_cosine_within_group;
+        const std::size_t skipped = unit_faces_.size() - std::min(unit_faces_.size(), max_compared);
+        for (std::size_t i = skipped; i < unit_faces_.size(); ++i) {
+            const float cosine = dot(unit_faces_[i], unit);
+            if (cosine <= closest) continue;
+            closest = cosine;
+            result = group_[i];
+        }
+        weighted_face_ = surface_.weighted_face(corner);
+        unit_faces_.push_back(unit);
+        return result;
+    }
+    // pre: expected() was asked for this corner
+    void set(std::uint32_t group) {
+        group_.push_back(group);
+        bases_[group] += weighted_face_;
+        new_group_ = std::max(new_group_, group + 1);
+    }
+    std::span<const std::uint32_t> corners() const { return corners_; }
+    // The mean over the faces of a group's corners.
+    Vec3f base(std::uint32_t group) const { return unit_or(bases_[group], up); }
+
+  private:
+    const Surface& surface_;
+    std::span<const std::uint32_t> corners_;
+    std::uint32_t count_ = 1, new_group_ = 0;
+    Vec3f weighted_face_{0.0f};
+    std::vector<Vec3f> unit_faces_, bases_;
+    std::vector<std::uint32_t> group_;
+};
+
+// What the stream holds behind the runs, in its order.
+struct Code {
+    Symbols further_groups;  // of each position with Gouraud corners
+    Symbols surprises;       // of each corner of those that have any: its group, from the expected one on
+    std::uint8_t step = 0;
+    std::vector<std::uint8_t> is_off;  // of each group, whether a residual follows
+    Symbols residuals;
+};
+
+class Encoder {
+  public:
+    Encoder(const std::vector<Vec3f>& positions, const Triangles& triangles, const WantedShading& wanted,
+            double tolerance_degrees, Weights weights)
+        : surface_(positions, triangles, wanted.gouraud, weights),
+          wanted_(wanted),
+          tolerance_(radians(tolerance_degrees)) {
+        code_.step = step_number_for(tolerance_degrees);
+        surface_.list_corners(std::vector<std::uint8_t>(positions.size(), 1));
+        for (std::uint32_t p = 0; p < positions.size(); ++p)
+            if (surface_.has_gouraud(p)) add_position(p);
+    }
+
+    Code code() && { return std::move(code_); }
+
+  private:
+    Vec3d wanted(std::uint32_t corner) const {
+        return unit_or(Vec3d(wanted_.normals[wanted_.normal_of_corner[corner]]), Vec3d(up));
+    }
+
+    bool is_good(const Vec3d& normal, std::uint32_t corner) const {
+        const Vec3d want = wanted(corner);
+        const double flat =
+            std::acos(std::clamp(dot(Vec3d(unit_or(surface_.face(corner), Vec3f{0.0f})), want), -1.0, 1.0));
+        const double allowed = std::clamp(flat, tolerance_, lean_tolerances_where_flat_is_worse * tolerance_);
+        return dot(normal, want) >= std::cos(std::min(allowed, pi));
+    }
+
+    void add_position(std::uint32_t position) {
+        const auto corners = surface_.corners(position);
+        std::vector<std::uint32_t> group_of(corners.size(), 0);
+        const std::uint32_t count = is_one_group(corners) ? 1 : part(corners, group_of);
+        code_.further_groups.push_back(count - 1);
+        if (count == 1) return add_group(surface_.smooth(position), corners);
+        groups_.start(position, count);
+        std::vector<std::vector<std::uint32_t>> members(count);
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            code_.surprises.push_back((group_of[i] + count - groups_.expected()) % count);
+            groups_.set(group_of[i]);
+            members[group_of[i]].push_back(corners[i]);
+        }
+        for (std::uint32_t g = 0; g < count; ++g) add_group(groups_.base(g), members[g]);
+    }
+
+    bool is_one_group(std::span<const std::uint32_t> corners) const {
+        const std::uint32_t first = wanted_.normal_of_corner[corners[0]];
+        const auto has_first = [&](std::uint32_t c) { return wanted_.normal_of_corner[c] == first; };
+        if (std::all_of(corners.begin(), corners.end(), has_first)) return true;
+        const Vec3d mean = mean_of(corners);
+        return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t c) { return is_close(mean, wanted(c)); });
+    }
+
+    // Half of the tolerance, the other half is the residual's.
+    bool is_close(const Vec3d& a, const Vec3d& b) const { return dot(a, b) >= std::cos(tolerance_ / 2.0); }
+
+    // Corners join the first group whose first normal is close to their own.
+    std::uint32_t part(std::span<const std::uint32_t> corners, std::vector<std::uint32_t>& groups) const {
+        std::vector<std::uint32_t> first_of_group;
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            const auto joins = [&](std::uint32_t first) {
+                return wanted_.normal_of_corner[first] == wanted_.normal_of_corner[corners[i]] ||
+                       is_close(wanted(first), wanted(corners[i]));
+            };
+            const auto skipped =
+                static_cast<std::ptrdiff_t>(first_of_group.size() - std::min(first_of_group.size(), max_compared));
+            const auto found = std::find_if(first_of_group.begin() + skipped, first_of_group.end(), joins);
+            groups[i] = static_cast<std::uint32_t>(found - first_of_group.begin());
+            if (found == first_of_group.end()) first_of_group.push_back(corners[i]);
+        }
+        return static_cast<std::uint32_t>(first_of_group.size());
+    }
+
+    Vec3d mean_of(std::span<const std::uint32_t> corners) const {
+        Vec3d sum{0.0};
+        for (const std::uint32_t c : corners) sum += wanted(c);
+        return unit_or(sum, wanted(corners[0]));
+    }
+
+    void add_group(const Vec3f& derived, std::span<const std::uint32_t> corners) {
+        const Vec3d base(derived);
+        const bool good = std::all_of(corners.begin(), corners.end(), [&](auto c) { return is_good(base, c); });
+        code_.is_off.push_back(good ? 0 : 1);
+        if (good) return;
+        for (const std::uint32_t symbol : residual_of(mean_of(corners), base, step_of(code_.step)))
+            code_.residuals.push_back(symbol);
+    }
+
+    Surface surface_;
+    Groups groups_{surface_};
+    const WantedShading& wanted_;
+    double tolerance_;  // radians
+    Code code_;
+};
+
+void put_runs(draco::EncoderBuffer& buffer, const std::vector<std::uint8_t>& gouraud) {
     std::uint8_t is_gouraud = 1;
+    for (std::size_t begin = 0, end = 0; begin < gouraud.size(); begin = end, is_gouraud ^= 1) {
+        while (end < gouraud.size() && (gouraud[end] != 0) == (is_gouraud != 0)) ++end;
+        draco::EncodeVarint(static_cast<std::uint64_t>(end - begin), &buffer);
+    }
+}
+
+bool read_runs(draco::DecoderBuffer& buffer, std::vector<std::uint8_t>& gouraud, std::size_t triangles) {
+    std::uint8_t is_gouraud = 1;
+    gouraud.reserve(triangles);
     while (gouraud.size() < triangles) {
-        const std::uint64_t run = reader.number();
-        if (reader.failed() || run > triangles - gouraud.size() || (run == 0 && !(gouraud.empty() && is_gouraud)))
+        std::uint64_t run = 0;
+        if (!draco::DecodeVarint(&run, &buffer) || run > triangles - gouraud.size() ||
+            (run == 0 && !(gouraud.empty() && is_gouraud)))
             return false;
         gouraud.insert(gouraud.end(), run, is_gouraud);
         is_gouraud ^= 1;
@@ -224,43 +352,161 @@ bool read_runs(ByteReader& reader, std::vector<std::uint8_t>& gouraud, std::size
     return true;
 }
 
-}  // namespace
-
-std::vector<Vec3f> derive_normals(const std::vector<Vec3f>& positions, const Triangles& triangles) {
-    return NormalDeriver(positions, triangles).run();
+// Symbols that are mostly zero, as one byte where all are.
+void put_symbols(draco::EncoderBuffer& buffer, const Symbols& symbols, int components) {
+    const bool any = std::any_of(symbols.begin(), symbols.end(), [](std::uint32_t s) { return s != 0; });
+    buffer.Encode(static_cast<std::uint8_t>(any));
+    if (any) draco::EncodeSymbols(symbols.data(), static_cast<int>(symbols.size()), components, nullptr, &buffer);
 }
 
-std::vector<std::byte> encode_lean_shading(const std::vector<Vec3f>& positions, const Triangles& triangles,
-                                           const LeanShading& wanted) {
-    std::vector<std::byte> bytes;
-    std::uint8_t is_gouraud = 1;
-    for (std::size_t begin = 0, end = 0; begin < wanted.gouraud.size(); begin = end, is_gouraud ^= 1) {
-        while (end < wanted.gouraud.size() && (wanted.gouraud[end] != 0) == (is_gouraud != 0)) ++end;
-        put_number(bytes, end - begin);
+bool read_symbols(draco::DecoderBuffer& buffer, Symbols& symbols, std::size_t count, int components) {
+    std::uint8_t any = 0;
+    symbols.assign(count, 0);
+    if (!buffer.Decode(&any) || any > 1) return false;
+    return any == 0 ||
+           (count > 0 && draco::DecodeSymbols(static_cast<std::uint32_t>(count), components, &buffer, symbols.data()));
+}
+
+void put_flags(draco::EncoderBuffer& buffer, const std::vector<std::uint8_t>& flags) {
+    draco::RAnsBitEncoder encoder;
+    encoder.StartEncoding();
+    for (const std::uint8_t flag : flags) encoder.EncodeBit(flag != 0);
+    encoder.EndEncoding(&buffer);
+}
+
+// Reads the stream behind the runs.
+class Decoder {
+  public:
+    // `result` has the triangles' shading.
+    Decoder(const std::vector<Vec3f>& positions, const Triangles& triangles, draco::DecoderBuffer& buffer,
+            Weights weights, LeanShading& result)
+        : surface_(positions, triangles, result.gouraud, weights), buffer_(buffer), result_(result) {}
+
+    bool run() {
+        std::uint8_t end = 0;
+        if (!read_further_groups() || !read_residuals()) return false;
+        result_.normals.reserve(surface_.positions());
+        for (std::uint32_t p = 0; p < surface_.positions(); ++p) {
+            if (further_[p] > 0)
+                add_position(p);
+            else
+                result_.normals.push_back(surface_.has_gouraud(p) ? next_normal(surface_.smooth(p)) : up);
+        }
+        return buffer_.Decode(&end) && end == end_mark && buffer_.remaining_size() == 0;
     }
-    const Corrections corrections = find_corrections(positions, triangles, wanted);
-    put_corrections(bytes, corrections.vertices);
-    put_corrections(bytes, corrections.corners);
-    return bytes;
+
+  private:
+    bool read_further_groups() {
+        std::size_t used = 0;
+        for (std::uint32_t p = 0; p < surface_.positions(); ++p) used += surface_.has_gouraud(p) ? 1 : 0;
+        Symbols further;
+        if (!read_symbols(buffer_, further, used, 1)) return false;
+        groups_ = used;
+        further_.assign(surface_.positions(), 0);
+        if (std::any_of(further.begin(), further.end(), [](std::uint32_t f) { return f > 0; })) {
+            std::vector<std::uint8_t> listed(surface_.positions(), 0);
+            for (std::uint32_t p = 0, next = 0; p < surface_.positions(); ++p) {
+                if (surface_.has_gouraud(p)) further_[p] = further[next++];
+                listed[p] = further_[p] > 0 ? 1 : 0;
+            }
+            surface_.list_corners(listed);
+            for (std::uint32_t p = 0; p < surface_.positions(); ++p) {
+                if (further_[p] > 0 && further_[p] >= surface_.corners(p).size()) return false;
+                groups_ += further_[p];
+            }
+        }
+        return read_symbols(buffer_, surprises_, surface_.listed_corners(), 1);
+    }
+
+    bool read_residuals() {
+        std::uint8_t step = 0;
+        draco::RAnsBitDecoder flags;
+        if (!buffer_.Decode(&step) || !flags.StartDecoding(&buffer_)) return false;
+        step_ = step_of(step);
+        is_off_.resize(groups_);
+        std::size_t off = 0;
+        for (std::uint8_t& flag : is_off_) off += flag = flags.DecodeNextBit() ? 1 : 0;
+        flags.EndDecoding();
+        return read_symbols(buffer_, residuals_, 2 * off, 2);
+    }
+
+    // The next group's.
+    Vec3f next_normal(const Vec3f& base) {
+        if (!is_off_[next_group_++]) return base;
+        const std::array residual{residuals_[next_residual_], residuals_[next_residual_ + 1]};
+        next_residual_ += 2;
+        return Vec3f(moved_by(Vec3d(base), residual, step_));
+    }
+
+    // One of several groups; the first one's normal is the position's.
+    void add_position(std::uint32_t position) {
+        const std::uint32_t count = further_[position] + 1;
+        const auto first = static_cast<std::uint32_t>(result_.further_normals.size());
+        groups_of_.start(position, count);
+        for (const std::uint32_t corner : groups_of_.corners()) {
+            const std::uint64_t group = (std::uint64_t{groups_of_.expected()} + surprises_[next_surprise_++]) % count;
+            groups_of_.set(static_cast<std::uint32_t>(group));
+            if (group > 0) result_.further.push_back({corner, first + static_cast<std::uint32_t>(group) - 1});
+        }
+        result_.normals.push_back(next_normal(groups_of_.base(0)));
+        for (std::uint32_t g = 1; g < count; ++g) result_.further_normals.push_back(next_normal(groups_of_.base(g)));
+    }
+
+    Surface surface_;
+    Groups groups_of_{surface_};
+    draco::DecoderBuffer& buffer_;
+    LeanShading& result_;
+    std::vector<std::uint32_t> further_;  // groups of each position beside the first
+    std::vector<std::uint8_t> is_off_;    // of each group
+    Symbols surprises_, residuals_;
+    std::size_t groups_ = 0, next_group_ = 0, next_surprise_ = 0, next_residual_ = 0;
+    double step_ = 1.0;
+};
+
+std::vector<std::byte> encode_with(Weights weights, const std::vector<Vec3f>& positions, const Triangles& triangles,
+                                   const WantedShading& wanted, double tolerance_degrees) {
+    const Code code = Encoder(positions, triangles, wanted, tolerance_degrees, weights).code();
+    draco::EncoderBuffer buffer;
+    put_runs(buffer, wanted.gouraud);
+    buffer.Encode(weights);
+    put_symbols(buffer, code.further_groups, 1);
+    put_symbols(buffer, code.surprises, 1);
+    buffer.Encode(code.step);
+    put_flags(buffer, code.is_off);
+    put_symbols(buffer, code.residuals, 2);
+    buffer.Encode(end_mark);
+    const auto* bytes = reinterpret_cast<const std::byte*>(buffer.data());
+    return {bytes, bytes + buffer.size()};
+}
+
+}  // namespace
+
+std::vector<std::byte> encode_lean_shading(const std::vector<Vec3f>& positions, const Triangles& triangles,
+                                           const WantedShading& wanted, double tolerance_degrees) {
+    std::vector<std::byte> by_area = encode_with(Weights::area, positions, triangles, wanted, tolerance_degrees);
+    std::vector<std::byte> by_sine = encode_with(Weights::sine, positions, triangles, wanted, tolerance_degrees);
+    return by_sine.size() < by_area.size() ? by_sine : by_area;
+}
+
+LeanShading sent_normals(const std::vector<Vec3f>& positions, const Triangles& triangles, const WantedShading& wanted,
+                         double tolerance_degrees) {
+    Result<LeanShading> decoded = decode_lean_shading(
+        positions, triangles, encode_with(Weights::area, positions, triangles, wanted, tolerance_degrees));
+    if (!decoded) throw std::logic_error(decoded.error().message);
+    return *std::move(decoded);
 }
 
 Result<LeanShading> decode_lean_shading(const std::vector<Vec3f>& positions, const Triangles& triangles,
                                         std::span<const std::byte> bytes) {
     LeanShading result;
-    ByteReader reader(bytes);
-    std::vector<Vec3f> at_vertex(positions.size(), Vec3f{0.0f});
-    std::vector<std::pair<std::uint32_t, Vec3f>> at_corner;
-    const bool sound =
-        read_runs(reader, result.gouraud, triangles.size()) &&
-        read_corrections(reader, positions.size(), [&](std::uint32_t v, const Vec3f& n) { at_vertex[v] = n; }) &&
-        read_corrections(reader, 3 * triangles.size(),
-                         [&](std::uint32_t c, const Vec3f& n) { at_corner.emplace_back(c, n); });
-    if (!sound || !reader.at_end()) return invalid_input("lean shading: damaged");
-    result.normals = derive_normals(positions, triangles);
-    for (std::uint32_t t = 0; t < triangles.size(); ++t)
-        for (std::uint32_t k = 0; k < 3; ++k)
-            if (const Vec3f& n = at_vertex[triangles[t][k]]; n != Vec3f{0.0f}) result.normals[3 * t + k] = n;
-    for (const auto& [corner, normal] : at_corner) result.normals[corner] = normal;
+    draco::DecoderBuffer buffer;
+    buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    buffer.set_bitstream_version(DRACO_BITSTREAM_VERSION(2, 2));
+    std::uint8_t weights = 0;
+    if (!read_runs(buffer, result.gouraud, triangles.size()) || !buffer.Decode(&weights) ||
+        weights > static_cast<std::uint8_t>(Weights::sine) ||
+        !Decoder(positions, triangles, buffer, static_cast<Weights>(weights), result).run())
+        return invalid_input("lean shading: damaged");
     return result;
 }
 

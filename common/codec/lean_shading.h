@@ -1,6 +1,7 @@
 // Private to the codec: what a lean primitive has beside its one Draco stream of positions. Which triangles are Gouraud
-// is told as runs in the order in which Draco decodes them; normals are derived from the triangles, and only those are
-// sent that the derived ones would be off from.
+// is told as runs in the order in which Draco decodes them. Their corners at a position form groups of one normal each;
+// it is derived from the group's triangles, and only what the derived one is off by is sent, in steps as coarse as the
+// level's own error.
 #pragma once
 
 #include <cstddef>
@@ -13,26 +14,38 @@
 
 namespace lodestream::codec {
 
-// A derived normal is good enough where it is off by no more than the first angle, or than the face itself, up to the
-// second: worse than flat shading it never is by more. Measured on a noisy scan: the picture's error is that of 8-bit
-// normals within 3 %.
-inline constexpr double lean_always_good_degrees = 8.0;
-inline constexpr double lean_normal_tolerance_degrees = 24.0;
-// Faces that meet at a larger angle are not smoothed into each other when normals are derived.
-inline constexpr double lean_crease_degrees = 60.0;
+// A derived normal is good enough where it is off by no more than the tolerance or than the face itself, up to so many
+// tolerances: worse than flat shading it never is by more.
+inline constexpr double lean_tolerances_where_flat_is_worse = 3.0;
+
+struct WantedShading {
+    std::vector<std::uint8_t> gouraud;            // one a triangle
+    std::vector<Vec3f> normals;                   // of any length
+    std::vector<std::uint32_t> normal_of_corner;  // three a triangle, into `normals`; of flat ones without a meaning
+};
+
+// `positions` and `triangles` between them as Draco decodes them, `wanted` in their order. Corners with one wanted
+// normal are told apart by its number. tolerance_degrees: > 0
+std::vector<std::byte> encode_lean_shading(const std::vector<Vec3f>& positions,
+                                           const std::vector<mesh::Triangle>& triangles, const WantedShading& wanted,
+                                           double tolerance_degrees);
+
+// A Gouraud corner with another normal than its position's.
+struct FurtherNormal {
+    std::uint32_t corner = 0;  // 3 * triangle + k
+    std::uint32_t normal = 0;  // into LeanShading::further_normals
+};
 
 struct LeanShading {
     std::vector<std::uint8_t> gouraud;  // one a triangle
-    std::vector<Vec3f> normals;         // three a triangle, unit length; those of flat triangles mean nothing
+    std::vector<Vec3f> normals;         // one a position, unit length
+    std::vector<Vec3f> further_normals;
+    std::vector<FurtherNormal> further;  // those of one position side by side
 };
 
-// The normal of every corner: the mean over the faces around its position that are within the crease of its own,
-// weighted by area. +y where there is no area.
-std::vector<Vec3f> derive_normals(const std::vector<Vec3f>& positions, const std::vector<mesh::Triangle>& triangles);
-
-// `positions` and `triangles` as Draco decodes them; `wanted` in their order.
-std::vector<std::byte> encode_lean_shading(const std::vector<Vec3f>& positions,
-                                           const std::vector<mesh::Triangle>& triangles, const LeanShading& wanted);
+// The normals that a decoder would get, of faces weighted by their area, as Draco predicts normals too.
+LeanShading sent_normals(const std::vector<Vec3f>& positions, const std::vector<mesh::Triangle>& triangles,
+                         const WantedShading& wanted, double tolerance_degrees);
 
 // Errors: invalid_input where the bytes are not those of so many positions and triangles.
 Result<LeanShading> decode_lean_shading(const std::vector<Vec3f>& positions,

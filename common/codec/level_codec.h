@@ -30,8 +30,21 @@ struct QuantizationGrid {
 inline constexpr int min_position_bits = 6;
 inline constexpr int max_position_bits = 20;
 
-// The step always resolves 1/16 of the mean edge, and never more than 1/64 of it: a finer one no longer tilts a
-// triangle by as much as 8-bit normals do, and its bytes buy less than the same bytes of triangles would.
+// How far rounding may move a level off its surface, RMS: this share of the error that the level has anyway, which
+// raises a picture's error by a few percent, and of its extent what Draco's usual 14 bits cost.
+inline constexpr double off_surface_share_of_error = 0.35;
+inline constexpr double off_surface_share_of_extent = 0.36 / (1 << 14);
+// And no step is larger than this share of the mean edge.
+inline constexpr double steps_per_edge = 8.0;
+
+// The grid around `bounds` with the fewest bits that keep `level`, which is `error` (RMS, model units) off the full
+// model, within these limits if it is rounded along its surface. Levels of one asset that are given the same `bounds`
+// differ in `bits` alone. pre: `bounds` holds the level
+QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double error);
+
+// For content that must meet other content, and so is rounded to the nearest point: the step always resolves 1/16 of
+// the mean edge, and never more than 1/64 of it: a finer one no longer tilts a triangle by as much as 8-bit normals do,
+// and its bytes buy less than the same bytes of triangles would.
 inline constexpr double coarsest_steps_per_edge = 16.0;
 inline constexpr double finest_steps_per_edge = 64.0;
 
@@ -50,10 +63,28 @@ struct SmallerImage {
     std::uint64_t bytes_below_a_pixel = 0;  // of the bytes saved, those that the display could not have shown
 };
 
+// Half of what normals are off anyway where a level is `error` off the full model, as far as that can be told from the
+// length of its edges.
+double fit_normal_tolerance_degrees(const mesh::Mesh& level, double error);
+// Bits of a plain level's normals that keep a step below a quarter of the tolerance, 10 at most. pre: > 0
+int fit_normal_bits(double tolerance_degrees);
+inline constexpr double normal_tolerance_per_slope = 6.0;  // of the angle whose tangent is error over mean edge
+inline constexpr double least_normal_tolerance_degrees = 0.7;
+inline constexpr double largest_normal_tolerance_degrees = 8.0;
+
+enum class Rounding {
+    nearest,        // half a step at most on each axis, by the position alone: what must meet other content bit for bit
+    along_surface,  // one and a half at most: to where the surface moves least (common/codec/rounding.h)
+};
+
 struct EncodeOptions {
     QuantizationGrid grid;
+    Rounding rounding = Rounding::along_surface;
     bool lean = false;
     int normal_bits = 8;  // plain only
+    // What a Gouraud normal may be off by, and three times that where its face is farther off: those that its triangles
+    // tell as well are not sent, or cost next to nothing. 0: as close as they can be sent.
+    double normal_tolerance_degrees = 0.0;
     int texture_coordinate_bits = 12;
     std::vector<SmallerImage> images;  // one for each of the model's; empty: all as they are
     std::string extras_json;           // an object, put into the asset's `extras.lodestream`; empty: none
@@ -87,9 +118,8 @@ struct Decoded {
 // Encodes `level` with the materials and images of `model` that it uses. `gouraud[t]` != 0: triangle t is Gouraud
 // shaded. Leaves out texture coordinates where no used texture reads them, colours that are constant (moved into the
 // material), unused materials and images, and what smaller images lack. The result has been decoded again and compared
-// with `level`: same triangles, positions within half a grid step, borders identical; lean Gouraud normals are within
-// lean_normal_tolerance_degrees. Errors: invalid_input (too many
-// triangles, not finite), internal.
+// with `level`: same triangles, positions as near as `rounding` says, borders identical. Errors: invalid_input (too
+// many triangles, not finite), internal.
 Result<Encoded> encode_level(const mesh::Model& model, const mesh::Mesh& level, std::span<const std::uint8_t> gouraud,
                              const EncodeOptions& options);
 

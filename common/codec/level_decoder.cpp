@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -130,8 +131,9 @@ class Reader {
     mesh::TextureReference read_texture(const json& parent, const char* name) const;
     const json& check_accessor(std::uint64_t index, const char* type, std::uint64_t component_type,
                                std::uint64_t count) const;
-    Primitive read_primitive(const json& primitive);
-    std::vector<Primitive> shaded(Primitive primitive, const json& json_primitive);
+    DracoMesh read_geometry(const json& primitive);
+    Primitive read_primitive(const json& primitive, DracoMesh& mesh) const;
+    std::vector<Primitive> read_shaded(const json& primitive);
     DracoMesh read_compressed(const json& primitive, const json& extension);
     DracoMesh read_plain(const json& primitive);
     void read_plain_indices(const json& primitive, DracoMesh& mesh);
@@ -293,6 +295,7 @@ DracoMesh Reader::read_compressed(const json& primitive, const json& extension) 
     DracoMesh result;
     result.points = decoded->points;
     result.triangles = std::move(decoded->triangles);
+    result.first_at_position = std::move(decoded->first_at_position);
     for (const AttributeKind& kind : attribute_kinds) {
         const json* id = find(ids, kind.name);
         if (!id) continue;
@@ -376,14 +379,18 @@ std::vector<Vector> vectors_of(const DracoMesh& mesh, DracoAttribute::Semantic s
     return result;
 }
 
-Primitive Reader::read_primitive(const json& primitive) {
+DracoMesh Reader::read_geometry(const json& primitive) {
     require(whole_or(primitive, "mode", gltf_triangles) == gltf_triangles, "not triangles");
     const json* extensions = find(primitive, "extensions");
     const json* draco = extensions ? find(*extensions, draco_extension) : nullptr;
-    const DracoMesh mesh = draco ? read_compressed(primitive, *draco) : read_plain(primitive);
+    DracoMesh mesh = draco ? read_compressed(primitive, *draco) : read_plain(primitive);
     vertices_left_ -= mesh.points;
     triangles_left_ -= mesh.triangles.size();
+    return mesh;
+}
 
+// Takes the mesh's triangles over.
+Primitive Reader::read_primitive(const json& primitive, DracoMesh& mesh) const {
     Primitive result;
     const std::uint64_t material = whole(member(primitive, "material"));
     element("materials", material);
@@ -395,50 +402,81 @@ Primitive Reader::read_primitive(const json& primitive) {
         require(std::abs(glm::length(Vec3d(normal)) - 1.0) < 0.01, "a normal is not of unit length");
     result.mesh.texture_coordinates = vectors_of<Vec2f>(mesh, DracoAttribute::Semantic::texture_coordinate);
     result.mesh.colors = vectors_of<Rgba8>(mesh, DracoAttribute::Semantic::color);
-    result.mesh.triangles = mesh.triangles;
+    result.mesh.triangles = std::move(mesh.triangles);
     result.shading = result.mesh.normals.empty() ? Shading::flat : Shading::gouraud;
     return result;
 }
 
-// Of one vertex; beyond them a corner gets another copy without looking further.
-constexpr std::size_t max_compared_copies = 64;
+void add_vertex_like(mesh::Mesh& mesh, std::uint32_t vertex) {
+    const auto repeat = [&](auto& attribute) {
+        if (!attribute.empty()) attribute.push_back(attribute[vertex]);
+    };
+    repeat(mesh.positions);
+    repeat(mesh.normals);
+    repeat(mesh.texture_coordinates);
+    repeat(mesh.colors);
+}
 
-// The triangles of one shading with their attributes. Corners of one vertex whose normals differ become vertices of
-// their own.
-Primitive part_of(const Primitive& whole_primitive, const LeanShading& lean, Shading shading) {
+// Of one position; beyond them a corner gets a vertex of its own without looking further.
+constexpr std::size_t max_compared_vertices = 64;
+
+// Gives the mesh its normals. Corners with further ones become vertices of their own.
+void set_normals(mesh::Mesh& mesh, const LeanShading& lean, const std::vector<std::uint32_t>& first_at_position) {
+    mesh.normals = lean.normals;
+    for (std::uint32_t v = 0; v < first_at_position.size(); ++v) mesh.normals[v] = lean.normals[first_at_position[v]];
+    struct Added {
+        std::uint32_t source, normal, vertex;
+    };
+    std::vector<Added> added;
+    for (const FurtherNormal& further : lean.further) {
+        std::uint32_t& vertex = mesh.triangles[further.corner / 3][further.corner % 3];
+        const auto is_same = [&](const Added& a) { return a.source == vertex && a.normal == further.normal; };
+        const auto last = added.rbegin() + static_cast<std::ptrdiff_t>(std::min(added.size(), max_compared_vertices));
+        const auto found = std::find_if(added.rbegin(), last, is_same);
+        if (found == last) {
+            const auto number = static_cast<std::uint32_t>(mesh.positions.size());
+            add_vertex_like(mesh, vertex);
+            mesh.normals.back() = lean.further_normals[further.normal];
+            added.push_back({vertex, further.normal, number});
+            vertex = number;
+        } else {
+            vertex = found->vertex;
+        }
+    }
+}
+
+// The triangles of one shading with the vertices that they use, in the same order.
+Primitive part_of(const Primitive& whole_primitive, const std::vector<std::uint8_t>& gouraud, Shading shading) {
     const mesh::Mesh& from = whole_primitive.mesh;
     Primitive part{shading, whole_primitive.material, {}};
     mesh::Mesh& to = part.mesh;
-    constexpr std::uint32_t none = 0xffffffffu;
-    std::vector<std::uint32_t> copy(from.positions.size(), none);
-    std::vector<std::uint32_t> next_copy;  // of the same vertex, with another normal
-    const auto add = [&](std::uint32_t vertex, const Vec3f& normal) {
-        const auto number = static_cast<std::uint32_t>(to.positions.size());
-        to.positions.push_back(from.positions[vertex]);
-        if (shading == Shading::gouraud) to.normals.push_back(normal);
-        if (!from.texture_coordinates.empty()) to.texture_coordinates.push_back(from.texture_coordinates[vertex]);
-        if (!from.colors.empty()) to.colors.push_back(from.colors[vertex]);
-        next_copy.push_back(std::exchange(copy[vertex], number));
-        return number;
-    };
-    for (std::uint32_t t = 0; t < from.triangles.size(); ++t) {
-        if ((lean.gouraud[t] != 0) != (shading == Shading::gouraud)) continue;
-        mesh::Triangle triangle{};
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            const std::uint32_t vertex = from.triangles[t][k];
-            const Vec3f& normal = lean.normals[3 * t + k];
-            std::uint32_t at = copy[vertex];
-            for (std::size_t i = 0; at != none && shading == Shading::gouraud && to.normals[at] != normal; ++i)
-                at = i < max_compared_copies ? next_copy[at] : none;
-            triangle[k] = at != none ? at : add(vertex, normal);
-        }
-        to.triangles.push_back(triangle);
+    constexpr std::uint32_t unused = 0xffffffffu;
+    std::vector<std::uint32_t> number(from.positions.size(), unused);
+    for (std::size_t t = 0; t < from.triangles.size(); ++t) {
+        if ((gouraud[t] != 0) != (shading == Shading::gouraud)) continue;
+        to.triangles.push_back(from.triangles[t]);
+        for (const std::uint32_t v : from.triangles[t]) number[v] = 0;
     }
+    const auto copy_used = [&](const auto& attribute, auto& target) {
+        for (std::size_t v = 0; v < attribute.size(); ++v)
+            if (number[v] != unused) target.push_back(attribute[v]);
+    };
+    copy_used(from.positions, to.positions);
+    if (shading == Shading::gouraud) copy_used(from.normals, to.normals);
+    copy_used(from.texture_coordinates, to.texture_coordinates);
+    copy_used(from.colors, to.colors);
+    std::uint32_t next = 0;
+    for (std::uint32_t& n : number)
+        if (n != unused) n = next++;
+    for (mesh::Triangle& t : to.triangles)
+        for (std::uint32_t& v : t) v = number[v];
     return part;
 }
 
 // The primitive by itself or, where it is lean, its Gouraud and its flat part.
-std::vector<Primitive> Reader::shaded(Primitive primitive, const json& json_primitive) {
+std::vector<Primitive> Reader::read_shaded(const json& json_primitive) {
+    DracoMesh mesh = read_geometry(json_primitive);
+    Primitive primitive = read_primitive(json_primitive, mesh);
     const json* extras = find(json_primitive, "extras");
     const json* ours = extras ? find(*extras, "lodestream") : nullptr;
     const json* view = ours ? find(*ours, "shading") : nullptr;
@@ -448,11 +486,21 @@ std::vector<Primitive> Reader::shaded(Primitive primitive, const json& json_prim
         return parts;
     }
     require(primitive.shading == Shading::flat, "lean shading beside normals");
-    const Result<LeanShading> lean =
-        decode_lean_shading(primitive.mesh.positions, primitive.mesh.triangles, take_view(whole(*view)));
+    const bool apart = mesh.first_at_position.empty();
+    const Result<LeanShading> lean = decode_lean_shading(
+        primitive.mesh.positions,
+        apart ? primitive.mesh.triangles : between_positions(primitive.mesh.triangles, mesh.first_at_position),
+        take_view(whole(*view)));
     if (!lean) throw Refusal{fail(lean.error().code, "GLB: " + lean.error().message)};
+    set_normals(primitive.mesh, *lean, mesh.first_at_position);
+    const bool mixed = std::find(lean->gouraud.begin(), lean->gouraud.end(), 0) != lean->gouraud.end();
+    primitive.shading = Shading::gouraud;
+    if (!mixed) {
+        parts.push_back(std::move(primitive));
+        return parts;
+    }
     for (const Shading shading : {Shading::gouraud, Shading::flat}) {
-        Primitive part = part_of(primitive, *lean, shading);
+        Primitive part = part_of(primitive, lean->gouraud, shading);
         if (!part.mesh.triangles.empty()) parts.push_back(std::move(part));
     }
     return parts;
@@ -482,8 +530,7 @@ Decoded Reader::read() {
     constexpr double largest = std::numeric_limits<double>::max();
     result.origin = vector_or(*node, "translation", -largest, largest, Vec3d(0.0));
     for (const json& primitive : array_of(element("meshes", 0), "primitives"))
-        for (Primitive& part : shaded(read_primitive(primitive), primitive))
-            result.primitives.push_back(std::move(part));
+        for (Primitive& part : read_shaded(primitive)) result.primitives.push_back(std::move(part));
     return result;
 }
 

@@ -10,7 +10,9 @@
 #include "common/codec/glb.h"
 #include "common/codec/lean_shading.h"
 #include "common/codec/level_codec.h"
+#include "common/codec/plain_normals.h"
 #include "common/codec/primitive_codec.h"
+#include "common/codec/rounding.h"
 
 namespace lodestream::codec {
 namespace {
@@ -22,6 +24,7 @@ using nlohmann::json;
 
 constexpr double max_outside_grid = 1.0;  // grid ranges that a position may lie outside the grid
 constexpr double float_rounding = 4.0 / (1 << 24);
+constexpr double least_lean_tolerance_degrees = 0.1;
 
 Status check_options(const EncodeOptions& options) {
     const QuantizationGrid& grid = options.grid;
@@ -117,14 +120,16 @@ struct Channels {
     std::optional<Channel> color;
 };
 
-// Where the decoded position is farther from its source than half a step and what floats round off.
-bool strays(const Channel& position, const QuantizationGrid& grid) {
+// Where the decoded position is farther from its source than it may go and what floats round off.
+bool strays(const Channel& position, const EncodeOptions& options) {
+    const QuantizationGrid& grid = options.grid;
+    const double farthest = options.rounding == Rounding::nearest ? 0.5 : 1.5;  // steps
     for (std::size_t value = 0; value < position.decoded_of_value.size(); ++value)
         for (int axis = 0; axis < 3; ++axis) {
             const double source = position.values[value * 3 + axis];
             const double decoded = position.decoded_value(position.decoded_of_value[value], axis);
             const double rounding = float_rounding * (std::abs(source) + std::abs(grid.origin[axis]) + grid.range);
-            if (!(std::abs(decoded - source) <= 0.5 * grid.step() + rounding)) return true;
+            if (!(std::abs(decoded - source) <= farthest * grid.step() + rounding)) return true;
         }
     return false;
 }
@@ -150,16 +155,36 @@ std::vector<Value> used_only(const Mesh& level, const std::vector<Value>& values
     return result;
 }
 
-Result<Channels> make_channels(const Mesh& level, const EncodeOptions& options) {
+std::vector<Vec3d> grid_points_of(const Mesh& level, const EncodeOptions& options) {
+    const std::vector<Vec3f> positions = used_only(level, level.positions);
+    if (options.rounding == Rounding::along_surface)
+        return SurfaceRounding(positions, level.triangles).round(options.grid).points;
+    std::vector<Vec3d> points;
+    points.reserve(positions.size());
+    for (const Vec3f& p : positions) points.push_back(nearest_grid_point(p, options.grid));
+    return points;
+}
+
+// The level with normals that cost less, within the tolerance, and the grid points with those of vertices added.
+Mesh with_cheap_normals(const Mesh& level, std::span<const std::uint8_t> gouraud, const EncodeOptions& options,
+                        std::vector<Vec3d>& grid_points) {
+    Replaced replaced =
+        replace_normals(level, gouraud, grid_points, options.normal_tolerance_degrees, options.normal_bits);
+    for (const std::uint32_t source : replaced.sources) grid_points.push_back(grid_points[source]);
+    return std::move(replaced.level);
+}
+
+Result<Channels> make_channels(const Mesh& level, const std::vector<Vec3d>& grid_points, const EncodeOptions& options) {
     Channels channels;
     const auto keep = [](Result<Channel> made, auto& slot) -> Status {
         if (!made) return made.error();
         slot = std::move(*made);
         return Nothing{};
     };
-    Status status = check_inside(level, options.grid);
-    if (status) status = keep(position_channel(used_only(level, level.positions), options.grid), channels.position);
-    if (status && strays(channels.position, options.grid))
+    Status status =
+        keep(position_channel(used_only(level, level.positions), used_only(level, grid_points), options.grid),
+             channels.position);
+    if (status && strays(channels.position, options))
         status = invalid_input("encode: the quantization grid is too fine or too far from zero for floats");
     if (status && !level.normals.empty())
         status = keep(normal_channel(used_only(level, level.normals), options.normal_bits), channels.normal);
@@ -461,20 +486,20 @@ std::vector<Vec3f> decoded_positions(const DracoMesh& mesh) {
 }
 
 // Empty where all is flat, which is what a primitive without normals says by itself.
-std::vector<std::byte> lean_shading(const Part& part, const Channel& normal, const DracoMesh& decoded) {
+std::vector<std::byte> lean_shading(const Part& part, const Channel& normal, const DracoMesh& decoded,
+                                    double tolerance_degrees) {
     if (part.gouraud == 0) return {};
-    const auto wanted_normal = [&](std::uint32_t corner) {
-        const float* n =
-            &normal.values[3 * std::size_t{normal.value_of_vertex[part.triangles[corner / 3][corner % 3]]}];
-        return Vec3f(n[0], n[1], n[2]);
-    };
     const std::vector<std::uint32_t> sources = source_corners(part.triangles, part.channels, decoded);
-    LeanShading wanted;
+    WantedShading wanted;
+    for (std::size_t i = 0; i < normal.values.size(); i += 3)
+        wanted.normals.emplace_back(normal.values[i], normal.values[i + 1], normal.values[i + 2]);
     for (std::size_t c = 0; c < sources.size(); ++c) {
-        wanted.normals.push_back(wanted_normal(sources[c]));
+        wanted.normal_of_corner.push_back(normal.value_of_vertex[part.triangles[sources[c] / 3][sources[c] % 3]]);
         if (c % 3 == 0) wanted.gouraud.push_back(sources[c] / 3 < part.gouraud ? 1 : 0);
     }
-    return encode_lean_shading(decoded_positions(decoded), decoded.triangles, wanted);
+    return encode_lean_shading(decoded_positions(decoded),
+                               between_positions(decoded.triangles, decoded.first_at_position), wanted,
+                               tolerance_degrees);
 }
 
 // What was not sent, by what it would have cost: the parts that lack it are encoded with it too.
@@ -552,7 +577,11 @@ Result<Encoded> encode(const Model& model, const Mesh& level, std::span<const st
         if (!extras || !extras->is_object()) return invalid_input("encode: extras_json is not a JSON object");
         document.set_extras(std::move(*extras));
     }
-    const std::vector<Group> groups = group_by_material(model, level, gouraud);
+    if (const Status status = check_inside(level, options.grid); !status) return status.error();
+    std::vector<Vec3d> grid_points = level.triangles.empty() ? std::vector<Vec3d>{} : grid_points_of(level, options);
+    const bool cheapens = !options.lean && options.normal_tolerance_degrees > 0.0 && !level.normals.empty();
+    const Mesh sent = cheapens ? with_cheap_normals(level, gouraud, options, grid_points) : level;
+    const std::vector<Group> groups = group_by_material(model, sent, gouraud);
     if (2 * groups.size() > max_gltf_elements) return fail(ErrorCode::limit_exceeded, "encode: too many materials");
     if (const Status status = check_textures(model, options, groups); !status) return status.error();
 
@@ -560,7 +589,7 @@ Result<Encoded> encode(const Model& model, const Mesh& level, std::span<const st
     Omissions omissions;
     add_images_and_materials(model, options, groups, omissions);
     if (!groups.empty()) {
-        Result<Channels> channels = make_channels(level, options);
+        Result<Channels> channels = make_channels(sent, grid_points, options);
         if (!channels) return channels.error();
         std::map<const Group*, std::size_t> materials;
         for (const Group& group : groups)
@@ -569,7 +598,9 @@ Result<Encoded> encode(const Model& model, const Mesh& level, std::span<const st
             Result<EncodedPrimitive> primitive = encode_primitive(part.triangles, part.channels);
             if (!primitive) return primitive.error();
             std::vector<std::byte> lean;
-            if (options.lean && channels->normal) lean = lean_shading(part, *channels->normal, primitive->decoded);
+            if (options.lean && channels->normal)
+                lean = lean_shading(part, *channels->normal, primitive->decoded,
+                                    std::max(options.normal_tolerance_degrees, least_lean_tolerance_degrees));
             document.add_primitive(*primitive, materials[part.group], lean);
             result.triangles += primitive->decoded.triangles.size();
             result.vertices += primitive->decoded.points;

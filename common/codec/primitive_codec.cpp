@@ -114,7 +114,9 @@ std::vector<float> snapped_to_grid(Channel& channel) {
     const double scale = largest_code(channel.bits) / static_cast<double>(channel.range);
     for (std::size_t i = 0; i < channel.values.size(); ++i) {
         const std::size_t axis = i % channel.components;
-        const double step = std::floor((static_cast<double>(channel.values[i]) - channel.origin[axis]) * scale + 0.5);
+        const double nearest =
+            std::floor((static_cast<double>(channel.values[i]) - channel.origin[axis]) * scale + 0.5);
+        const double step = channel.grid_points.empty() ? nearest : channel.grid_points[i / 3][static_cast<int>(axis)];
         steps.push_back(static_cast<std::int32_t>(step));
         channel.codes.push_back(static_cast<float>(step + stand_in.origin[axis]));
     }
@@ -147,14 +149,17 @@ std::vector<float> quantize(Channel& channel) {
     return channel.values;
 }
 
-// `source`: one value a vertex.
-Result<Channel> finish_channel(Channel channel, const std::vector<float>& source) {
+// `source`: one value a vertex; `grid_points`: likewise, or empty.
+Result<Channel> finish_channel(Channel channel, const std::vector<float>& source,
+                               const std::vector<Vec3d>& grid_points = {}) {
     const std::size_t components = static_cast<std::size_t>(channel.components);
     KeyTable distinct(components);
     for (std::size_t v = 0; v < source.size(); v += components) {
         const std::uint32_t value = distinct.find_or_add(key_of(&source[v], channel.components).data());
-        if (std::size_t{value} * components == channel.values.size())
+        if (std::size_t{value} * components == channel.values.size()) {
             channel.values.insert(channel.values.end(), &source[v], &source[v] + components);
+            if (!grid_points.empty()) channel.grid_points.push_back(grid_points[v / components]);
+        }
         channel.value_of_vertex.push_back(value);
     }
     const std::vector<float> decoded = quantize(channel);
@@ -383,7 +388,8 @@ float Channel::decoded_value(std::uint32_t decoded_index, int component) const {
     return std::bit_cast<float>(decoded.key(decoded_index)[component]);
 }
 
-Result<Channel> position_channel(const std::vector<Vec3f>& positions, const QuantizationGrid& grid) {
+Result<Channel> position_channel(const std::vector<Vec3f>& positions, const std::vector<Vec3d>& grid_points,
+                                 const QuantizationGrid& grid) {
     Channel channel;
     channel.bits = grid.bits;
     channel.origin = grid.origin;
@@ -391,7 +397,7 @@ Result<Channel> position_channel(const std::vector<Vec3f>& positions, const Quan
     std::vector<float> source;
     source.reserve(positions.size() * 3);
     for (const Vec3f& p : positions) source.insert(source.end(), {p.x, p.y, p.z});
-    return finish_channel(std::move(channel), source);
+    return finish_channel(std::move(channel), source, grid_points);
 }
 
 Result<Channel> normal_channel(const std::vector<Vec3f>& normals, int bits) {

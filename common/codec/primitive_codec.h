@@ -24,6 +24,7 @@ struct Channel {
     float range = 1.0f;
     std::vector<float> values;                    // components a value
     std::vector<float> codes;                     // what Draco is given for them
+    std::vector<Vec3d> grid_points;               // positions only: where they go on the grid
     std::vector<std::uint32_t> value_of_vertex;   // into values
     std::vector<std::uint32_t> decoded_of_value;  // into decoded
     KeyTable decoded{3};                          // bit patterns of the floats that a decoder yields
@@ -31,7 +32,9 @@ struct Channel {
     float decoded_value(std::uint32_t decoded_index, int component) const;
 };
 
-Result<Channel> position_channel(const std::vector<Vec3f>& positions, const QuantizationGrid& grid);
+// `grid_points`: where each goes, in steps from the origin, equal positions to equal ones.
+Result<Channel> position_channel(const std::vector<Vec3f>& positions, const std::vector<Vec3d>& grid_points,
+                                 const QuantizationGrid& grid);
 // Normals that are not finite or have no length become +y.
 Result<Channel> normal_channel(const std::vector<Vec3f>& normals, int bits);
 // Coordinates that are not finite become 0. Beyond [0,1] each doubling of the range adds a bit.

@@ -3,6 +3,8 @@
 #include <limits>
 
 #include "common/codec/level_codec.h"
+#include "common/codec/rounding.h"
+#include "common/mesh/operations.h"
 
 namespace lodestream::codec {
 namespace {
@@ -59,6 +61,33 @@ QuantizationGrid choose_grid(const Box& bounds, double error, double mean_edge_l
         grid.bits =
             std::clamp(static_cast<int>(std::ceil(std::log2(steps + 1.0))), min_position_bits, max_position_bits);
     return grid;
+}
+
+QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double error) {
+    QuantizationGrid grid = choose_grid(bounds, 0.0, 0.0);
+    const double allowed = std::hypot(off_surface_share_of_error * (positive(error) ? error : 0.0),
+                                      off_surface_share_of_extent * grid.range);
+    const double largest_step = mesh::mean_edge_length(level) / steps_per_edge;
+    const SurfaceRounding surface(level.positions, level.triangles);
+    for (grid.bits = min_position_bits; grid.bits < max_position_bits; ++grid.bits) {
+        if (positive(largest_step) && grid.step() > largest_step) continue;
+        // Rounding along a surface gains less than three bits on the nearest point, which is off by 0.29 steps.
+        if (grid.step() > 30.0 * allowed) continue;
+        if (surface.round(grid).off_surface_rms <= allowed) break;
+    }
+    return grid;
+}
+
+double fit_normal_tolerance_degrees(const mesh::Mesh& level, double error) {
+    const double edge = mesh::mean_edge_length(level);
+    const double slope = positive(error) && positive(edge) ? std::atan(error / edge) : 0.0;
+    return std::clamp(normal_tolerance_per_slope * glm::degrees(slope), least_normal_tolerance_degrees,
+                      largest_normal_tolerance_degrees);
+}
+
+int fit_normal_bits(double tolerance_degrees) {
+    constexpr double around = 180.0;  // degrees that the steps of one coordinate reach over
+    return std::clamp(static_cast<int>(std::ceil(std::log2(4.0 * around / tolerance_degrees) - 1e-9)), 4, 10);
 }
 
 QuantizationGrid choose_window(const Box& bounds, double error, double mean_edge_length) {

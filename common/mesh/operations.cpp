@@ -343,4 +343,12 @@ double face_area(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
     return 0.5 * length(s.cross) * s.scale * s.scale;
 }
 
+double mean_edge_length(const Mesh& mesh) {
+    double sum = 0.0;
+    for (const Triangle& t : mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k)
+            sum += distance(Vec3d(mesh.positions[t[k]]), Vec3d(mesh.positions[t[(k + 1) % 3]]));
+    return mesh.triangles.empty() ? 0.0 : sum / (3.0 * static_cast<double>(mesh.triangles.size()));
+}
+
 }  // namespace lodestream::mesh

@@ -41,4 +41,7 @@ Mesh with_plausible_normals(const Mesh& mesh, double max_degrees, double crease_
 Vec3d face_normal(const Vec3f& a, const Vec3f& b, const Vec3f& c);
 double face_area(const Vec3f& a, const Vec3f& b, const Vec3f& c);
 
+// Over the edges of all triangles; 0 where there are none.
+double mean_edge_length(const Mesh& mesh);
+
 }  // namespace lodestream::mesh

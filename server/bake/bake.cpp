@@ -85,8 +85,7 @@ Result<proto::Level> make_level(const LevelMaker& maker, std::uint64_t triangles
 
     const Stopwatch watch;
     const std::vector<std::uint8_t> all_gouraud(level.triangles.size(), 1);
-    codec::EncodeOptions options;
-    options.grid = level_grid(maker.baked.grid_bounds, level, error);
+    codec::EncodeOptions options = level_options(maker.baked.grid_bounds, level, error);
     options.images = texture::choose(maker.baked.model, maker.textures, level_needs(error)).images;
     Result<codec::Encoded> encoded = codec::encode_level(maker.baked.model, level, all_gouraud, options);
     if (!encoded) return encoded.error();
@@ -319,16 +318,12 @@ bool is_empty(const mesh::Model& model) {
     return model.kind == mesh::Kind::points ? model.mesh.positions.empty() : model.mesh.triangles.empty();
 }
 
-codec::QuantizationGrid level_grid(const Box& grid_bounds, const mesh::Mesh& level, const metric::SurfaceError& error) {
-    return codec::choose_grid(grid_bounds, error.rms, mean_edge_length(level));
-}
-
-double mean_edge_length(const mesh::Mesh& mesh) {
-    double sum = 0.0;
-    for (const mesh::Triangle& t : mesh.triangles)
-        for (std::size_t k = 0; k < 3; ++k)
-            sum += distance(Vec3d(mesh.positions[t[k]]), Vec3d(mesh.positions[t[(k + 1) % 3]]));
-    return mesh.triangles.empty() ? 0.0 : sum / (3.0 * static_cast<double>(mesh.triangles.size()));
+codec::EncodeOptions level_options(const Box& grid_bounds, const mesh::Mesh& level, const metric::SurfaceError& error) {
+    codec::EncodeOptions options;
+    options.grid = codec::fit_grid(grid_bounds, level, error.rms);
+    options.normal_tolerance_degrees = codec::fit_normal_tolerance_degrees(level, error.rms);
+    options.normal_bits = codec::fit_normal_bits(options.normal_tolerance_degrees);
+    return options;
 }
 
 double percent_of_diagonal(double error, const Box& bounds) {

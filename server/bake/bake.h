@@ -57,12 +57,12 @@ inline constexpr std::string_view baked_key = "bake";  // of the baked model amo
 using store::imported_key;                             // of the imported model, until the bake is done; its record
                                                        // counts the bakes that were started and not ended
 
-// The asset's one grid, with as many bits as this level's error deserves. `grid_bounds`: of all of the asset's levels.
-codec::QuantizationGrid level_grid(const Box& grid_bounds, const mesh::Mesh& level, const metric::SurfaceError& error);
+// The asset's one grid with as many bits, and normals as close, as this level's error deserves. `grid_bounds`: of all
+// of the asset's levels.
+codec::EncodeOptions level_options(const Box& grid_bounds, const mesh::Mesh& level, const metric::SurfaceError& error);
 // What an asset tells of an encoded level.
 proto::Level described_level(const codec::Encoded& encoded, const metric::SurfaceError& error, const Box& bounds,
                              double encode_ms, const std::string& hash);
-double mean_edge_length(const mesh::Mesh& mesh);
 double percent_of_diagonal(double error, const Box& bounds);  // 0 for an empty box
 std::string content_url(const std::string& hash);
 

@@ -22,8 +22,7 @@ Result<proto::Level> store_preview(store::Store& store, const std::string& asset
                                    const texture::Textures& textures, const simplify::Preview& preview) {
     const Stopwatch watch;
     const Box bounds = mesh::bounds(model.mesh);
-    codec::EncodeOptions options;
-    options.grid = level_grid(bounds, preview.mesh, preview.error);
+    codec::EncodeOptions options = level_options(bounds, preview.mesh, preview.error);
     options.images = texture::choose(model, textures, level_needs(preview.error)).images;
     const std::vector<std::uint8_t> all_gouraud(preview.mesh.triangles.size(), 1);
     Result<codec::Encoded> encoded = codec::encode_level(model, preview.mesh, all_gouraud, options);

@@ -246,7 +246,7 @@ class TileMaker {
     Status add_tile(std::uint32_t index, const Surface& surface, metric::SurfaceError error) {
         const mesh::Mesh& mesh = surface.mesh;
         const Box bounds = mesh::bounds(mesh);
-        const codec::QuantizationGrid grid = codec::choose_window(bounds, error.rms, mean_edge_length(mesh));
+        const codec::QuantizationGrid grid = codec::choose_window(bounds, error.rms, mesh::mean_edge_length(mesh));
         const bool is_coarser = !tiles_below(index).empty();
         if (is_coarser) error.max += source_error(index) + 0.5 * std::sqrt(3.0) * grid.step();
         Tile tile;
@@ -261,6 +261,9 @@ class TileMaker {
 
         codec::EncodeOptions options;
         options.grid = grid;
+        options.rounding = codec::Rounding::nearest;  // neighbours have borders in common
+        options.normal_tolerance_degrees = codec::fit_normal_tolerance_degrees(mesh, error.rms);
+        options.normal_bits = codec::fit_normal_bits(options.normal_tolerance_degrees);
         Result<codec::Encoded> encoded = surface.is_bare ? encode_painted(mesh, options) : encode(mesh, error, options);
         if (!encoded) return encoded.error();
         std::vector<Tile>& tiles = branches_[index].tiles;

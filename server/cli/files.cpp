@@ -16,8 +16,7 @@ namespace {
 Result<std::vector<std::byte>> encode_glb(const mesh::Model& model, double error, const std::string& extras_json,
                                           Written& written) {
     const std::vector<std::uint8_t> all_gouraud(model.mesh.triangles.size(), 1);
-    codec::EncodeOptions options;
-    options.grid = codec::choose_grid(mesh::bounds(model.mesh), error, bake::mean_edge_length(model.mesh));
+    codec::EncodeOptions options = bake::level_options(mesh::bounds(model.mesh), model.mesh, {error, error});
     options.extras_json = extras_json;
     Result<codec::Encoded> encoded = codec::encode_level(model, model.mesh, all_gouraud, options);
     if (!encoded) return encoded.error();

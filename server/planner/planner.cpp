@@ -252,8 +252,7 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
     response.timing_ms.cut = cutting.ms();
 
     const Stopwatch encoding;
-    codec::EncodeOptions options;
-    options.grid = bake::level_grid(baked.grid_bounds, level, seen_error(response));
+    codec::EncodeOptions options = bake::level_options(baked.grid_bounds, level, seen_error(response));
     if (!painted) options.images = wanted.textures.images;
     options.lean = wanted.profile == proto::Profile::lean;
     const Extras extras = [&](const EncodedSplit& attempt) {

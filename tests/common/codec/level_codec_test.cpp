@@ -52,6 +52,7 @@ mesh::Image png_image() {
 EncodeOptions options_for(const Mesh& mesh) {
     EncodeOptions options;
     options.grid = choose_grid(mesh::bounds(mesh), 0.0, 0.1);
+    options.rounding = Rounding::nearest;
     return options;
 }
 
@@ -229,6 +230,50 @@ TEST(LevelCodec, NormalSeamsDoNotCutTheMesh) {
     const Coded flat = round_trip(creased, shaded(creased, 0)), gouraud = round_trip(creased, shaded(creased, 1));
     EXPECT_EQ(flat.encoded.vertices, testing::sphere(12).positions.size());
     expect_same_triangles(creased, shaded(creased, 1), gouraud.decoded, options_for(creased).grid);
+}
+
+TEST(LevelCodec, NormalsWithinTheToleranceCostNextToNothing) {
+    Mesh level = mesh::with_normals(testing::sphere(40), 180.0);
+    level.triangle_materials.clear();
+    for (const mesh::Triangle& t : level.triangles)
+        level.triangle_materials.push_back(level.positions[t[0]].y > 0.0f ? 1 : 0);
+    Model model = model_of_one_material();
+    model.materials.push_back(model.materials[0]);
+    model.materials[1].name = "upper";
+    std::vector<std::uint8_t> gouraud;
+    for (const mesh::Triangle& t : level.triangles) gouraud.push_back(level.positions[t[0]].x > -0.2f);
+    EncodeOptions options = options_for(level);
+    const Coded exact = round_trip(model, level, gouraud, options);
+    const Coded flat = round_trip(model, level, shaded(level, 0), options);
+    options.normal_tolerance_degrees = 4.0;
+    options.normal_bits = 10;
+    const Coded cheap = round_trip(model, level, gouraud, options);
+    expect_same_triangles(level, gouraud, cheap.decoded, options.grid);
+    EXPECT_LT(cheap.encoded.geometry_bytes, exact.encoded.geometry_bytes);
+    const std::uint64_t smooth = round_trip(model, level, shaded(level, 1), options).encoded.geometry_bytes;
+    EXPECT_LT(smooth, flat.encoded.geometry_bytes * 1.25);
+    for (const Primitive& primitive : cheap.decoded.primitives)
+        for (std::size_t v = 0; v < primitive.mesh.normals.size(); ++v)  // a sphere's normals are its positions
+            EXPECT_GT(dot(primitive.mesh.normals[v], normalize(primitive.mesh.positions[v])), std::cos(radians(12.0)));
+}
+
+TEST(LevelCodec, NormalsFarFromTheFacesArriveWithinTheTolerance) {
+    Mesh level = mesh::with_normals(testing::sphere(16), 180.0);
+    for (std::size_t v = 0; v < level.normals.size(); ++v)
+        level.normals[v] = normalize(level.normals[v] + Vec3f(v % 3, v % 5 * 0.3f, 0.0f));
+    EncodeOptions options = options_for(level);
+    options.normal_tolerance_degrees = 2.0;
+    options.normal_bits = 10;
+    for (const bool lean : {false, true}) {
+        options.lean = lean;
+        const Coded coded = round_trip(model_of_one_material(), level, shaded(level, 1), options);
+        std::map<GridPoint, std::size_t> source;
+        for (std::size_t v = 0; v < level.positions.size(); ++v) source[on_grid(level.positions[v], options.grid)] = v;
+        const Mesh& mesh = coded.decoded.primitives.at(0).mesh;
+        for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+            EXPECT_GT(dot(mesh.normals[v], level.normals[source.at(on_grid(mesh.positions[v], options.grid))]),
+                      std::cos(radians(3 * 2.0 + 0.5)));
+    }
 }
 
 TEST(LevelCodec, LeanKeepsTheSplitAndComesNearTheNormalsWithFewerBytes) {

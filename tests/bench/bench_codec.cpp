@@ -1,0 +1,426 @@
+// lodestream_bench_codec: a level's bytes, picture and decoding, plain and lean, beside Draco by the defaults of
+// gltf-transform's `draco` command; see README.md.
+#include <draco/compression/decode.h>
+#include <draco/compression/expert_encode.h>
+#include <draco/core/encoder_buffer.h>
+#include <draco/mesh/mesh.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <map>
+
+#include "common/codec/glb.h"
+#include "common/codec/level_codec.h"
+#include "common/mesh/operations.h"
+#include "common/metric/surface_distance.h"
+#include "common/simplify/history.h"
+#include "server/bake/bake.h"
+#include "server/bake/executor.h"
+#include "server/importer/importer.h"
+#include "server/samples/samples.h"
+#include "tests/bench/judge.h"
+#include "tests/bench/stopwatch.h"
+#include "tests/bench/table.h"
+
+namespace lodestream::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+    std::vector<std::string> models;
+    std::vector<std::uint64_t> counts{1000, 5000, 20000, 60000};
+    std::string data = "../shared/data";
+    int turns = 15;
+};
+
+// gltf-transform's defaults.
+constexpr int peer_speed = 5, peer_position_bits = 14, peer_normal_bits = 10, peer_texture_coordinate_bits = 12;
+constexpr double plain_target = 0.75, lean_target = 0.6, uncompressed_target = 0.1, decode_target = 1.1;
+constexpr double image_target = 1.05;
+// Below it the JSON of a level is a large part of it.
+constexpr std::uint64_t least_judged_triangles = 5000;
+
+using Bytes = std::vector<std::byte>;
+
+// What one form of a level costs and shows.
+struct Form {
+    std::uint64_t bytes = 0;
+    double image = 0.0;  // ImageError::rms against the full model
+    double encode_ms = 0.0;
+    double decode_ms = 0.0;  // least of the turns
+    double draco_ms = 0.0;   // of it, Draco's own decoder alone on the same streams
+};
+
+struct Row {
+    std::string model;
+    std::uint64_t triangles = 0;
+    int position_bits = 0;
+    double image = 0.0;  // of the level itself
+    std::uint64_t uncompressed_bytes = 0;
+    Form peer, plain, lean;
+};
+
+template <class Value>
+void add_attribute(draco::Mesh& target, draco::GeometryAttribute::Type type, int components, draco::DataType data_type,
+                   const std::vector<Value>& values) {
+    if (values.empty()) return;
+    draco::GeometryAttribute attribute;
+    attribute.Init(type, nullptr, static_cast<std::int8_t>(components), data_type, data_type == draco::DT_UINT8,
+                   sizeof(Value), 0);
+    const int id = target.AddAttribute(attribute, true, static_cast<unsigned>(values.size()));
+    for (std::uint32_t v = 0; v < values.size(); ++v)
+        target.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(v), &values[v]);
+}
+
+// One primitive a material, as the peer is given a level.
+std::vector<mesh::Mesh> by_material(const mesh::Mesh& level) {
+    std::map<std::uint32_t, std::vector<std::uint32_t>> groups;
+    for (std::uint32_t t = 0; t < level.triangles.size(); ++t) groups[mesh::material_of(level, t)].push_back(t);
+    std::vector<mesh::Mesh> parts;
+    for (const auto& [material, triangles] : groups) parts.push_back(mesh::part(level, triangles));
+    return parts;
+}
+
+std::unique_ptr<draco::Mesh> draco_mesh(const mesh::Mesh& part) {
+    auto result = std::make_unique<draco::Mesh>();
+    result->set_num_points(static_cast<unsigned>(part.positions.size()));
+    result->SetNumFaces(part.triangles.size());
+    for (std::uint32_t f = 0; f < part.triangles.size(); ++f) {
+        const mesh::Triangle& t = part.triangles[f];
+        result->SetFace(draco::FaceIndex(f),
+                        {{draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])}});
+    }
+    add_attribute(*result, draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32, part.positions);
+    add_attribute(*result, draco::GeometryAttribute::NORMAL, 3, draco::DT_FLOAT32, part.normals);
+    add_attribute(*result, draco::GeometryAttribute::TEX_COORD, 2, draco::DT_FLOAT32, part.texture_coordinates);
+    add_attribute(*result, draco::GeometryAttribute::COLOR, 4, draco::DT_UINT8, part.colors);
+    result->DeduplicateAttributeValues();
+    result->DeduplicatePointIds();
+    return result;
+}
+
+// The grid of positions is of the whole level, as `quantizationVolume: mesh` has it.
+Bytes compressed_by_peer(const mesh::Mesh& part, const Box& bounds) {
+    const std::unique_ptr<draco::Mesh> source = draco_mesh(part);
+    draco::ExpertEncoder encoder(*source);
+    encoder.SetSpeedOptions(peer_speed, peer_speed);
+    encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
+    const Vec3f origin(bounds.min);
+    const Vec3d extent = bounds.extent();
+    const auto range = static_cast<float>(std::max({extent.x, extent.y, extent.z}));
+    for (int a = 0; a < source->num_attributes(); ++a) switch (source->attribute(a)->attribute_type()) {
+            case draco::GeometryAttribute::POSITION:
+                encoder.SetAttributeExplicitQuantization(a, peer_position_bits, 3, &origin[0], range);
+                break;
+            case draco::GeometryAttribute::NORMAL:
+                encoder.SetAttributeQuantization(a, peer_normal_bits);
+                break;
+            case draco::GeometryAttribute::TEX_COORD:
+                encoder.SetAttributeQuantization(a, peer_texture_coordinate_bits);
+                break;
+            default:
+                break;
+        }
+    draco::EncoderBuffer buffer;
+    if (!encoder.EncodeToBuffer(&buffer).ok()) throw std::runtime_error("Draco refuses the level");
+    const auto* bytes = reinterpret_cast<const std::byte*>(buffer.data());
+    return {bytes, bytes + buffer.size()};
+}
+
+std::unique_ptr<draco::Mesh> decoded_by_draco(std::span<const std::byte> stream) {
+    draco::DecoderBuffer buffer;
+    buffer.Init(reinterpret_cast<const char*>(stream.data()), stream.size());
+    draco::Decoder decoder;
+    auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
+    if (!decoded.ok()) throw std::runtime_error("Draco does not decode what it encoded");
+    return std::move(decoded).value();
+}
+
+template <class Do>
+double least_ms(int turns, const Do& work) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int turn = 0; turn < turns; ++turn) {
+        const Stopwatch watch;
+        work();
+        least = std::min(least, watch.elapsed().cpu_ms);
+    }
+    return least;
+}
+
+double draco_ms(const std::vector<std::span<const std::byte>>& streams, int turns) {
+    return least_ms(turns, [&] {
+        for (const auto& stream : streams) decoded_by_draco(stream);
+    });
+}
+
+template <class Value, int Components>
+std::vector<Value> values_of(const draco::Mesh& from, draco::GeometryAttribute::Type type) {
+    std::vector<Value> result;
+    const draco::PointAttribute* attribute = from.GetNamedAttribute(type);
+    if (!attribute) return result;
+    result.resize(from.num_points());
+    for (std::uint32_t p = 0; p < from.num_points(); ++p)
+        attribute->ConvertValue(attribute->mapped_index(draco::PointIndex(p)), Components, &result[p][0]);
+    return result;
+}
+
+mesh::Mesh mesh_of(const draco::Mesh& from, std::uint32_t material) {
+    mesh::Mesh to;
+    to.positions = values_of<Vec3f, 3>(from, draco::GeometryAttribute::POSITION);
+    to.normals = values_of<Vec3f, 3>(from, draco::GeometryAttribute::NORMAL);
+    to.texture_coordinates = values_of<Vec2f, 2>(from, draco::GeometryAttribute::TEX_COORD);
+    to.colors = values_of<Rgba8, 4>(from, draco::GeometryAttribute::COLOR);
+    for (std::uint32_t f = 0; f < from.num_faces(); ++f) {
+        const draco::Mesh::Face& face = from.face(draco::FaceIndex(f));
+        to.triangles.push_back({face[0].value(), face[1].value(), face[2].value()});
+    }
+    to.triangle_materials.assign(to.triangles.size(), material);
+    return to;
+}
+
+// The Draco streams that a GLB holds.
+std::vector<std::span<const std::byte>> streams_of(const codec::Glb& glb) {
+    std::vector<std::span<const std::byte>> streams;
+    for (const auto& primitive : glb.json.at("meshes").at(0).at("primitives")) {
+        if (!primitive.contains("extensions")) continue;
+        const auto& view = glb.json.at("bufferViews")
+                               .at(primitive["extensions"][codec::draco_extension]["bufferView"].get<std::size_t>());
+        streams.push_back(glb.binary.subspan(view.value("byteOffset", std::size_t{0}), view.at("byteLength")));
+    }
+    return streams;
+}
+
+mesh::Model model_of(const codec::Decoded& decoded) {
+    mesh::Model model;
+    model.materials = decoded.materials;
+    model.images = decoded.images;
+    model.origin = decoded.origin;
+    for (const codec::Primitive& primitive : decoded.primitives) {
+        mesh::Mesh part = primitive.mesh;
+        part.triangle_materials.assign(part.triangles.size(), primitive.material);
+        part.colors.resize(part.positions.size(), Rgba8(255));
+        part.texture_coordinates.resize(part.positions.size());
+        mesh::append(model.mesh, part);
+    }
+    return model;
+}
+
+class Bench {
+  public:
+    Bench(mesh::Model model, Painter& painter, int turns)
+        : model_(std::move(model)),
+          surface_(model_.mesh),
+          gallery_(painter, model_),
+          history_(record(model_.mesh)),
+          turns_(turns) {
+        for (const Vec3f& p : history_.positions) bounds_.add(Vec3d(p));
+    }
+
+    std::uint64_t triangles() const { return model_.mesh.triangles.size(); }
+
+    Row compare(const std::string& name, std::uint64_t triangles) {
+        const mesh::Mesh level = simplify::cut(history_, triangles);
+        Row row{name, level.triangles.size(), 0, gallery_.show(level).rms, 0, {}, {}, {}};
+        codec::EncodeOptions options =
+            bake::level_options(bounds_, level, metric::measure(surface_, model_.mesh, level));
+        row.position_bits = options.grid.bits;
+        codec::Encoded plain;
+        row.plain = measure(level, options, plain);
+        options.lean = true;
+        codec::Encoded lean;
+        row.lean = measure(level, options, lean);
+        // Images are left out; container and JSON are ours for everyone.
+        row.plain.bytes -= plain.texture_bytes;
+        row.lean.bytes -= lean.texture_bytes;
+        const std::uint64_t around = row.plain.bytes - plain.geometry_bytes;
+        row.peer = measure_peer(level);
+        row.peer.bytes += around;
+        row.uncompressed_bytes = around + uncompressed_bytes(level);
+        return row;
+    }
+
+  private:
+    static simplify::History record(mesh::Mesh mesh) {
+        simplify::RecordOptions options;
+        options.executor = bake::all_cores();
+        Result<simplify::History> history = simplify::record_history(std::move(mesh), options);
+        if (!history) throw std::runtime_error(history.error().message);
+        return *std::move(history);
+    }
+
+    Form measure(const mesh::Mesh& level, const codec::EncodeOptions& options, codec::Encoded& encoded) {
+        const Stopwatch watch;
+        Result<codec::Encoded> made =
+            codec::encode_level(model_, level, std::vector<std::uint8_t>(level.triangles.size(), 1), options);
+        if (!made) throw std::runtime_error(made.error().message);
+        encoded = *std::move(made);
+        Form form;
+        form.encode_ms = watch.elapsed().cpu_ms;
+        form.bytes = encoded.glb.size();
+        Result<codec::Decoded> decoded = codec::decode_level(encoded.glb);
+        if (!decoded) throw std::runtime_error(decoded.error().message);
+        form.image = gallery_.show(model_of(*decoded)).rms;
+        const Result<codec::Glb> glb = codec::split_glb(encoded.glb);
+        form.decode_ms = least_ms(turns_, [&] { (void)codec::decode_level(encoded.glb); });
+        form.draco_ms = draco_ms(streams_of(*glb), turns_);
+        return form;
+    }
+
+    Form measure_peer(const mesh::Mesh& level) {
+        Form form;
+        const Stopwatch watch;
+        std::vector<Bytes> streams;
+        mesh::Mesh decoded;
+        for (const mesh::Mesh& part : by_material(level))
+            streams.push_back(compressed_by_peer(part, mesh::bounds(level)));
+        form.encode_ms = watch.elapsed().cpu_ms;
+        std::vector<std::span<const std::byte>> spans;
+        std::size_t part = 0;
+        const std::vector<mesh::Mesh> parts = by_material(level);
+        for (const Bytes& stream : streams) {
+            form.bytes += stream.size();
+            spans.emplace_back(stream);
+            mesh::append(decoded, mesh_of(*decoded_by_draco(stream), mesh::material_of(parts[part++], 0)));
+        }
+        form.image = gallery_.show(decoded).rms;
+        form.decode_ms = form.draco_ms = draco_ms(spans, turns_);
+        return form;
+    }
+
+    static std::uint64_t uncompressed_bytes(const mesh::Mesh& level) {
+        std::uint64_t bytes = 0;
+        for (const mesh::Mesh& part : by_material(level)) {
+            const std::size_t vertices = part.positions.size();
+            const std::size_t vertex = 12 + (part.normals.empty() ? 0 : 12) +
+                                       (part.texture_coordinates.empty() ? 0 : 8) + (part.colors.empty() ? 0 : 4);
+            bytes += vertices * vertex + 3 * part.triangles.size() * (vertices <= codec::max_short_vertices ? 2 : 4);
+        }
+        return bytes;
+    }
+
+    mesh::Model model_;
+    metric::SurfaceIndex surface_;
+    Gallery gallery_;
+    simplify::History history_;
+    Box bounds_;  // of all levels
+    int turns_;
+};
+
+mesh::Model load(const std::string& spec) {
+    constexpr const char* sample = "sample:";
+    Result<mesh::Model> model = spec.starts_with(sample) ? samples::make_sample(spec.substr(std::string(sample).size()))
+                                                         : importer::import_file(spec);
+    if (!model) throw std::runtime_error(model.error().message);
+    return *std::move(model);
+}
+
+std::vector<std::string> default_models(const std::string& data) {
+    std::vector<std::string> specs{"sample:teapot", "sample:terrain", "sample:ship"};
+    for (const char* name :
+         {"classic/bunny_69k.ply", "classic/armadillo_86k.obj", "classic/nefertiti_100k.obj", "classic/lucy_100k.ply",
+          "classic/buddha_100k.obj", "classic/fandisk.obj", "classic/rocker-arm.obj", "classic/spot_uv.obj",
+          "scan/turbineblade_199k.ply", "terrain/stubai_10m.ply", "gltf/Duck.glb"})
+        if (const fs::path file = fs::path(data) / name; fs::exists(file)) specs.push_back(file.string());
+    return specs;
+}
+
+double ratio(std::uint64_t a, std::uint64_t b) {
+    return static_cast<double>(a) / static_cast<double>(b);
+}
+
+std::string table_of(const std::vector<Row>& rows) {
+    std::vector<TableRow> table{{"model", "count", "bits", "peer kB", "plain", "lean", "/ glTF", "image", "peer",
+                                 "plain/", "lean/", "enc ms", "peer", "plain", "lean", "dec ms", "peer", "plain/",
+                                 "lean/"}};
+    for (const Row& r : rows)
+        table.push_back({r.model, std::to_string(r.triangles), std::to_string(r.position_bits),
+                         fixed(static_cast<double>(r.peer.bytes) / 1e3, 1),
+                         fixed(ratio(r.plain.bytes, r.peer.bytes), 3), fixed(ratio(r.lean.bytes, r.peer.bytes), 3),
+                         fixed(ratio(r.plain.bytes, r.uncompressed_bytes), 3), fixed(r.image, 3),
+                         fixed(r.peer.image, 3), fixed(r.plain.image / r.peer.image, 3),
+                         fixed(r.lean.image / r.peer.image, 3), "", fixed(r.peer.encode_ms, 1),
+                         fixed(r.plain.encode_ms, 1), fixed(r.lean.encode_ms, 1), "", fixed(r.peer.decode_ms, 2),
+                         fixed(r.plain.decode_ms / r.plain.draco_ms, 2), fixed(r.lean.decode_ms / r.lean.draco_ms, 2)});
+    return to_text(table);
+}
+
+template <class Value>
+TableRow verdict(const char* what, const std::vector<Row>& rows, double target, const Value& value) {
+    double logarithms = 0, worst = 0;
+    std::size_t judged = 0, met = 0;
+    for (const Row& row : rows) {
+        if (row.triangles < least_judged_triangles * 9 / 10) continue;
+        const double ratio = value(row);
+        ++judged;
+        met += ratio <= target ? 1 : 0;
+        logarithms += std::log(ratio);
+        worst = std::max(worst, ratio);
+    }
+    return {what, fixed(std::exp(logarithms / static_cast<double>(judged)), 3), fixed(worst, 3), fixed(target, 2),
+            std::to_string(met) + "/" + std::to_string(judged)};
+}
+
+std::string verdicts_of(const std::vector<Row>& rows) {
+    return to_text({{"from 5,000 triangles on", "mean", "worst", "target", "met"},
+                    verdict("bytes, plain / peer", rows, plain_target,
+                            [](const Row& r) { return ratio(r.plain.bytes, r.peer.bytes); }),
+                    verdict("bytes, lean / peer", rows, lean_target,
+                            [](const Row& r) { return ratio(r.lean.bytes, r.peer.bytes); }),
+                    verdict("bytes, plain / uncompressed glTF", rows, uncompressed_target,
+                            [](const Row& r) { return ratio(r.plain.bytes, r.uncompressed_bytes); }),
+                    verdict("picture's error, plain / peer", rows, image_target,
+                            [](const Row& r) { return r.plain.image / r.peer.image; }),
+                    verdict("picture's error, lean / peer", rows, image_target,
+                            [](const Row& r) { return r.lean.image / r.peer.image; }),
+                    verdict("decoding, plain / Draco alone", rows, decode_target,
+                            [](const Row& r) { return r.plain.decode_ms / r.plain.draco_ms; }),
+                    verdict("decoding, lean / Draco alone", rows, decode_target,
+                            [](const Row& r) { return r.lean.decode_ms / r.lean.draco_ms; }),
+                    verdict("decoding, plain / peer", rows, decode_target,
+                            [](const Row& r) { return r.plain.decode_ms / r.peer.decode_ms; }),
+                    verdict("decoding, lean / peer", rows, decode_target,
+                            [](const Row& r) { return r.lean.decode_ms / r.peer.decode_ms; })});
+}
+
+void run(const Arguments& arguments) {
+    Result<Painter> painter = Painter::create();
+    if (!painter) throw std::runtime_error(painter.error().message);
+    std::vector<Row> rows;
+    for (const std::string& spec : arguments.models.empty() ? default_models(arguments.data) : arguments.models) {
+        std::cerr << spec << std::endl;
+        Bench bench(load(spec), *painter, arguments.turns);
+        std::uint64_t last = 0;
+        for (const std::uint64_t count : arguments.counts) {
+            const std::uint64_t asked = std::min(count, bench.triangles());
+            if (std::exchange(last, asked) == asked) break;
+            rows.push_back(bench.compare(fs::path(spec).stem().string(), asked));
+        }
+    }
+    std::cout << table_of(rows) << '\n' << verdicts_of(rows);
+}
+
+}  // namespace
+}  // namespace lodestream::bench
+
+int main(int argc, char** argv) {
+    lodestream::bench::Arguments arguments;
+    CLI::App app{
+        "Encodes levels plain and lean beside Draco by gltf-transform's defaults: bytes, pictures and decoding."};
+    app.add_option("--models", arguments.models, "model files or sample:NAME; default: samples and those of --data");
+    app.add_option("--counts", arguments.counts, "triangles of the levels")->capture_default_str();
+    app.add_option("--data", arguments.data, "the folder of test models")->capture_default_str();
+    app.add_option("--turns", arguments.turns, "how often each is decoded; the least time counts")
+        ->capture_default_str();
+    CLI11_PARSE(app, argc, argv);
+    try {
+        lodestream::bench::run(arguments);
+        return 0;
+    } catch (const std::exception& error) {
+        std::cerr << "lodestream_bench_codec: " << error.what() << std::endl;
+        return 1;
+    }
+}
