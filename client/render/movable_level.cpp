@@ -182,9 +182,9 @@ Result<MovableLevel> movable_level(const codec::Decoded& content, const shading:
 
     MovableLevel level;
     level.radius = mesh::bounds(model.mesh).radius();
-    const auto error = shading::importance(model.mesh, model.materials, {.phong = phong}).error;
-    const auto order = bucketed(model.mesh, shading::order_by_importance(error));
-    level.error_left = shading::error_left(error, order);
+    const shading::Importance importance = shading::importance(model.mesh, model.materials, {.phong = phong});
+    const auto order = bucketed(model.mesh, shading::order_by_gain(importance.gain));
+    level.difference_left = shading::difference_left(importance.difference, order);
     const mesh::Mesh mesh = arranged(std::move(model.mesh), order);
     level.places = places_by_material(mesh, content.materials.size());
     level.content = drawable(model, mesh);

@@ -29,10 +29,10 @@ inline constexpr std::size_t order_buckets = 8;
 struct MovableLevel {
     codec::Decoded content;  // one Gouraud primitive a material, triangles by falling importance
     std::vector<std::vector<std::uint32_t>> places;  // of each primitive's triangles in the level's order, rising
-    std::vector<double> error_left;                  // as importance.h's, of the level's order; size n + 1
+    std::vector<double> difference_left;             // as importance.h's, of the level's order; size n + 1
     double radius = 0.0;                             // of the bounding sphere, model units
 
-    std::uint64_t triangles() const { return error_left.empty() ? 0 : error_left.size() - 1; }
+    std::uint64_t triangles() const { return difference_left.empty() ? 0 : difference_left.size() - 1; }
 };
 
 // Triangles of fewer than three positions are left out. Errors: invalid_input, as Renderer::upload.

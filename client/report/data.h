@@ -98,6 +98,7 @@ struct ShadingSample {
     budget::Display display;
     double distance = 0.0;        // share of flat triangles; of "lights" and "criteria"
     double share_of_price = 0.0;  // triangles over what all flat affords; of "equal operations"
+    bool is_chosen = false;       // where worth_gouraud() divides the price; of "equal operations"
     std::uint64_t triangles = 0;
     std::uint64_t operations = 0;  // f + 4g
     ModeResult result;             // times and bytes that the series does not measure are 0

@@ -113,12 +113,11 @@ EqualCost equal_cost(const AssetResult& asset) {
         if (sample.series == "equal bytes")
             (sample.result.flat > 0 ? row.flat_sent : row.gouraud_at_flats_bytes) = error;
         if (sample.series != "equal operations") continue;
-        const bool chosen = sample.share_of_price == hybrid_share;
-        if (sample.share_of_price >= 1.0) {
+        if (sample.is_chosen) {
+            (sample.criterion == "paper" ? row.hybrid_paper : row.hybrid) = error;
+        } else if (sample.share_of_price >= 1.0) {
             row.flat = error;
             row.operations = sample.operations;
-        } else if (chosen) {
-            (sample.criterion == "paper" ? row.hybrid_paper : row.hybrid) = error;
         } else if (sample.share_of_price <= 0.25) {
             row.gouraud = error;
         }
@@ -139,11 +138,14 @@ Plot price_plot(const ReportData& data) {
               {"triangles, share of what all flat affords"},
               {"error of the picture, % of the better pure mode"},
               {},
-              {{hybrid_share, "hybrid"}}};
+              {}};
     for (std::size_t i = 0; i < data.assets.size(); ++i) {
         const EqualCost ends = equal_cost(data.assets[i]);
         Series series{data.assets[i].asset.name, {}, true, true, false, i};
-        for (const ShadingSample* sample : samples_of(data.assets[i], "equal operations", "importance"))
+        std::vector<const ShadingSample*> samples = samples_of(data.assets[i], "equal operations", "importance");
+        std::sort(samples.begin(), samples.end(),
+                  [](const auto* a, const auto* b) { return a->share_of_price < b->share_of_price; });
+        for (const ShadingSample* sample : samples)
             series.points.push_back({sample->share_of_price,
                                      share_percent(sample->result.image.percent, std::min(ends.gouraud, ends.flat)),
                                      series.name + ": " + format_count(sample->result.gouraud) + " Gouraud and " +
@@ -232,10 +234,9 @@ std::string equal_cost_sentence(const std::vector<EqualCost>& rows) {
     return "<p>For the same price in the paper’s operations (flat 1, Gouraud 4 a triangle) hybrid’s picture is nearer "
            "to the full model’s than all flat and all Gouraud, each with what it affords, on <strong>" +
            std::to_string(wins) + of +
-           "</strong> models. Hybrid then shows seven eighths of the triangles that all flat could, and the most "
-           "important twenty-first of them smooth. Its choice (the greatest difference over all lights, times the area "
-           "seen) "
-           "is at least as good as the paper’s (differing corners, then size) on " +
+           "</strong> models. Hybrid then spends on Gouraud shading what gains more there than three further flat "
+           "triangles would. Its choice (the greatest difference over all lights, times the area seen, as far as it "
+           "brings the picture nearer) is at least as good as the paper’s (differing corners, then size) on " +
            std::to_string(better) + of +
            ". For the same bytes instead, all Gouraud with fewer triangles beats all flat on " + std::to_string(bytes) +
            of + ".</p>";

@@ -70,11 +70,12 @@ class Study {
         : client_(client), renderer_(renderer), settings_(settings), options_(options), asset_(asset) {}
 
     Status run() {
-        const std::uint64_t operations = std::min(max_study_operations, asset_.full_triangles);
-        if (operations < 4 || settings_.empty()) return Nothing{};
-        if (Status done = equal_operations(operations); !done) return done;
-        if (Status done = equal_bytes(operations); !done) return done;
-        Result<sdk::Loaded> level = load(operations, proto::ShadingMode::gouraud);
+        const std::uint64_t triangles = std::min(max_study_triangles, asset_.full_triangles);
+        if (triangles < 4 || settings_.empty()) return Nothing{};
+        if (Status done = equal_operations(std::min(max_study_operations, asset_.full_triangles / 2)); !done)
+            return done;
+        if (Status done = equal_bytes(triangles); !done) return done;
+        Result<sdk::Loaded> level = load(triangles, proto::ShadingMode::gouraud);
         if (!level) return level.error();
         if (Status done = criteria(level->content); !done) return done;
         return lights(level->content);
@@ -130,22 +131,42 @@ class Study {
 
     // Every mode with the triangles that it affords.
     Status equal_operations(std::uint64_t operations) {
+        const Result<double> chosen = chosen_share(operations);
+        if (!chosen) return chosen.error();
+        if (Status added = add_bought(operations, *chosen, true); !added) return added;
         for (const double share : shares_of_price) {
-            if (options_.quick && share > all_gouraud_share && share < 1.0 && share != hybrid_share) continue;
-            const Purchase bought = purchase(operations, share);
-            Result<sdk::Loaded> level = load(bought.triangles, proto::ShadingMode::gouraud);
-            if (!level) return level.error();
-            for (const bool paper : {false, true}) {
-                if (paper && (share <= all_gouraud_share || share >= 1.0)) continue;  // nothing to choose
-                const mesh::Model model = merged(level->content);
-                const auto order = paper ? paper_order(model) : importance_order(model, true);
-                const auto labels = first_of(order, bought.gouraud);
-                if (auto up = renderer_.upload(render::drawable(model, model.mesh, labels)); !up) return up.error();
-                ShadingSample sample = sample_of("equal operations", paper ? "paper" : "importance",
-                                                 model.mesh.triangles.size(), bought.gouraud);
-                sample.share_of_price = share;
-                if (Status added = add(std::move(sample), settings_.front(), 1); !added) return added;
-            }
+            if (options_.quick && share > all_gouraud_share && share < 1.0) continue;
+            if (Status added = add_bought(operations, share, false); !added) return added;
+        }
+        return Nothing{};
+    }
+
+    // Of what all flat affords, the triangles that are left where those worth it are Gouraud.
+    Result<double> chosen_share(std::uint64_t operations) {
+        Result<sdk::Loaded> level = load(operations, proto::ShadingMode::gouraud);
+        if (!level) return level.error();
+        const mesh::Model model = merged(level->content);
+        const auto worth = static_cast<double>(shading::worth_gouraud(
+            shading::importance(model.mesh, model.materials, {.view = options_.view, .origin = model.origin})));
+        constexpr double further = budget::gouraud_operations - budget::flat_operations;
+        return std::max(all_gouraud_share, 1.0 - further * worth / static_cast<double>(operations));
+    }
+
+    Status add_bought(std::uint64_t operations, double share, bool is_chosen) {
+        const Purchase bought = purchase(operations, share);
+        Result<sdk::Loaded> level = load(bought.triangles, proto::ShadingMode::gouraud);
+        if (!level) return level.error();
+        const mesh::Model model = merged(level->content);
+        for (const bool paper : {false, true}) {
+            if (paper && !is_chosen && (share <= all_gouraud_share || share >= 1.0)) continue;  // nothing to choose
+            const auto order = paper ? paper_order(model) : importance_order(model, true);
+            const auto labels = first_of(order, bought.gouraud);
+            if (auto up = renderer_.upload(render::drawable(model, model.mesh, labels)); !up) return up.error();
+            ShadingSample sample = sample_of("equal operations", paper ? "paper" : "importance",
+                                             model.mesh.triangles.size(), bought.gouraud);
+            sample.share_of_price = share;
+            sample.is_chosen = is_chosen;
+            if (Status added = add(std::move(sample), settings_.front(), 1); !added) return added;
         }
         return Nothing{};
     }
@@ -215,7 +236,7 @@ class Study {
         shading::ImportanceOptions importance;
         if (in_view) importance.view = options_.view;
         importance.origin = model.origin;
-        return shading::order_by_importance(shading::importance(model.mesh, model.materials, importance).error);
+        return shading::order_by_gain(shading::importance(model.mesh, model.materials, importance).gain);
     }
 
     sdk::Client& client_;

@@ -95,6 +95,24 @@ double seen_area(const Face& face, const View& view, const Vec3d& eye) {
     return std::min(finite_or_zero(angle), 2.0 * pi);
 }
 
+// The share of the difference that is gained; see importance.h.
+double share_gained(const Face& face) {
+    Vec3d sum(0.0);
+    double squares = 0.0, along_edges = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (face.normals[i] == Vec3d(0.0)) return 1.0;  // nothing is known
+        const Vec3d off = face.normals[i] - face.normal;
+        sum += off;
+        squares += glm::dot(off, off);
+        const std::size_t next = (i + 1) % 3;
+        const Vec3d edge = unit_or_zero(face.corners[next] - face.corners[i]);
+        const double q = 0.5 * glm::dot(edge, face.normals[i] + face.normals[next]);
+        along_edges += q * q;
+    }
+    const double total = squares + glm::dot(sum, sum);
+    return total > 0.0 ? std::max(-1.0, 1.0 - 16.0 * along_edges / total) : 0.0;
+}
+
 // One criterion over a whole mesh.
 class Evaluation {
   public:
@@ -177,23 +195,34 @@ Importance importance(const mesh::Mesh& mesh, const std::vector<mesh::Material>&
                       const ImportanceOptions& options) {
     Importance result;
     Evaluation evaluate(options, result.operations);
-    result.error.reserve(mesh.triangles.size());
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        result.error.push_back(evaluate(face_of(mesh, t, materials)));
+    result.difference.reserve(mesh.triangles.size());
+    result.gain.reserve(mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Face face = face_of(mesh, t, materials);
+        result.difference.push_back(evaluate(face));
+        result.gain.push_back(result.difference.back() * share_gained(face));
+    }
     return result;
 }
 
-std::vector<std::uint32_t> order_by_importance(std::span<const double> error) {
-    std::vector<std::uint32_t> order(error.size());
+std::vector<std::uint32_t> order_by_gain(std::span<const double> gain) {
+    std::vector<std::uint32_t> order(gain.size());
     std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return error[a] > error[b]; });
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return gain[a] > gain[b]; });
     return order;
 }
 
-std::vector<double> error_left(std::span<const double> error, std::span<const std::uint32_t> order) {
+std::vector<double> difference_left(std::span<const double> difference, std::span<const std::uint32_t> order) {
     std::vector<double> left(order.size() + 1, 0.0);
-    for (std::size_t i = order.size(); i-- > 0;) left[i] = left[i + 1] + error[order[i]];
+    for (std::size_t i = order.size(); i-- > 0;) left[i] = left[i + 1] + difference[order[i]];
     return left;
+}
+
+std::uint64_t worth_gouraud(const Importance& importance) {
+    const double sum = std::accumulate(importance.difference.begin(), importance.difference.end(), 0.0);
+    const double least = least_gain_in_mean_differences * sum / static_cast<double>(importance.difference.size());
+    return static_cast<std::uint64_t>(
+        std::count_if(importance.gain.begin(), importance.gain.end(), [&](double gain) { return gain > least; }));
 }
 
 }  // namespace lodestream::shading

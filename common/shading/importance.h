@@ -10,9 +10,17 @@
 // highlight that goes out at once where the light passes below the horizon, and textures (the base colour stands for
 // them).
 //
+// That is how much the picture changes, not how much nearer it comes: beside a crease, normals blended over a coarse
+// triangle are farther from the surface than its own. Both ends of an edge lie on the surface, so along the edge its
+// slope is 0 in the mean; blended normals have the mean q = e · (n_i + n_j) / 2 along the unit edge e, exactly 0 on any
+// quadratic surface. So they are off by b, b² = 2/3 Σq² over the three edges (a vector's mean square along a direction
+// of the plane is half its square). What they gain is the mean square of r = n - f, (Σ|r|² + |Σr|²) / 12, less b² for
+// what they are off and b² for what was no true difference: the difference counts 1 - 16 Σq² / (Σ|r|² + |Σr|²), which
+// may be less than nothing.
+//
 // A Gouraud triangle costs the same wherever it lies (Table 3: 4 against 1), so with a price on the number of Gouraud
-// triangles the first k of the falling order are the choice of k that leaves the least error: one order serves every
-// split as a prefix, and moving the split sorts nothing.
+// triangles the first k of the falling order are the choice of k that gains most: one order serves every split as a
+// prefix, and moving the split sorts nothing.
 #pragma once
 
 #include <cstdint>
@@ -40,19 +48,26 @@ struct Importance {
     // One a triangle: the greatest integral of the squared difference, mean over R, G and B in display units [0, 1].
     // Over its area in square model units; with a view over the share of the unit sphere around the eye that it covers,
     // in steradians. Finite and >= 0 for any input.
-    std::vector<double> error;
+    std::vector<double> difference;
+    std::vector<double> gain;    // of it, what brings the picture nearer: from -difference to difference
     OperationCounts operations;  // nine a triangle, as many as the paper's criterion takes
 };
 
 Importance importance(const mesh::Mesh& mesh, const std::vector<mesh::Material>& materials,
                       const ImportanceOptions& options = {});
 
-// Triangles by falling error. Ties: lower index.
-std::vector<std::uint32_t> order_by_importance(std::span<const double> error);
+// Triangles by falling gain. Ties: lower index.
+std::vector<std::uint32_t> order_by_gain(std::span<const double> gain);
 
-// [k]: the sum of the errors of all but the first k of `order`, falling to 0; size n + 1.
-// pre: `order` is a permutation of the errors
-std::vector<double> error_left(std::span<const double> error, std::span<const std::uint32_t> order);
+// [k]: the sum of the differences of all but the first k of `order`, falling to 0; size n + 1: what a picture may still
+// change by. pre: `order` is a permutation of the triangles
+std::vector<double> difference_left(std::span<const double> difference, std::span<const std::uint32_t> order);
+
+// How many triangles are worth their Gouraud shading where each costs further triangles, three by Table 3, that would
+// refine the whole level instead. A flat picture's squared error falls about as the square root of the triangles, so
+// three of n save 3/2n of it; where facets are half of it, that is three times the mean difference.
+inline constexpr double least_gain_in_mean_differences = 3.0;
+std::uint64_t worth_gouraud(const Importance& importance);
 
 // The greatest difference of a corner in display units, a channel of base colour `color` in [0, 1]: its normal stands
 // `degrees_apart` from the face's. In [0, 1], never falling with the angle.

@@ -43,16 +43,16 @@ SplitState settled_split(double continuous_distance, std::uint32_t steps, std::u
 SplitMove move_split(const SplitState& state, double continuous_distance, std::uint32_t steps, const SplitCurve& curve,
                      const SplitControlOptions& options) {
     SplitMove move{state, 0.0};
-    if (curve.error_left.empty()) return move;
+    if (curve.difference_left.empty()) return move;
     const std::uint32_t count = std::max(steps, 1u);
     const double steps_away = std::clamp(finite_or_zero(continuous_distance), 0.0, 1.0) * count;
     move.state.step = held_step(state.step, steps_away, count, std::clamp(options.hysteresis, 0.0, 1.0));
-    const std::uint64_t triangles = curve.error_left.size() - 1;
+    const std::uint64_t triangles = curve.difference_left.size() - 1;
     const std::uint64_t from = std::min(state.gouraud, triangles);
     const std::uint64_t target = gouraud_count(triangles, static_cast<double>(move.state.step) / count);
     const double allowed = finite_or_zero(options.max_change * options.max_change * pi * curve.radius * curve.radius);
-    move.state.gouraud = target == from ? from : reachable(curve.error_left, from, target, allowed);
-    move.squared_change = std::abs(curve.error_left[from] - curve.error_left[move.state.gouraud]);
+    move.state.gouraud = target == from ? from : reachable(curve.difference_left, from, target, allowed);
+    move.squared_change = std::abs(curve.difference_left[from] - curve.difference_left[move.state.gouraud]);
     return move;
 }
 

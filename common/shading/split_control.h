@@ -19,8 +19,8 @@ struct SplitControlOptions {
 
 // What the border may move over. Both are the level's own and do not change with the view.
 struct SplitCurve {
-    std::span<const double> error_left;  // as importance.h has it without a view; size n + 1, falling
-    double radius = 0.0;                 // of the bounding sphere, model units
+    std::span<const double> difference_left;  // as importance.h has it without a view; size n + 1, falling
+    double radius = 0.0;                      // of the bounding sphere, model units
 };
 
 struct SplitState {

@@ -77,7 +77,7 @@ Result<EncodedSplit> encode_split(const mesh::Model& model, const mesh::Mesh& le
     if (!all_gouraud || gouraud == triangles) return all_gouraud;
     const std::uint64_t bytes_allowed = all_gouraud->encoded.glb.size();
 
-    const std::vector<std::uint32_t> order = shading::order_by_importance(importance.error);
+    const std::vector<std::uint32_t> order = shading::order_by_gain(importance.gain);
     for (const std::uint32_t regions : region_counts) {
         Result<EncodedSplit> hybrid = encode_with(job, shading::coherent_split(level, order, gouraud, regions));
         if (!hybrid || hybrid->encoded.glb.size() <= bytes_allowed) return hybrid;

@@ -18,10 +18,8 @@
 #include "common/metric/surface_distance.h"
 #include "common/simplify/history.h"
 #include "server/bake/bake.h"
-#include "server/bake/executor.h"
-#include "server/importer/importer.h"
-#include "server/samples/samples.h"
 #include "tests/bench/judge.h"
+#include "tests/bench/levels.h"
 #include "tests/bench/stopwatch.h"
 #include "tests/bench/table.h"
 
@@ -215,7 +213,7 @@ class Bench {
         : model_(std::move(model)),
           surface_(model_.mesh),
           gallery_(painter, model_),
-          history_(record(model_.mesh)),
+          history_(record_history(model_.mesh)),
           turns_(turns) {
         for (const Vec3f& p : history_.positions) bounds_.add(Vec3d(p));
     }
@@ -244,14 +242,6 @@ class Bench {
     }
 
   private:
-    static simplify::History record(mesh::Mesh mesh) {
-        simplify::RecordOptions options;
-        options.executor = bake::all_cores();
-        Result<simplify::History> history = simplify::record_history(std::move(mesh), options);
-        if (!history) throw std::runtime_error(history.error().message);
-        return *std::move(history);
-    }
-
     Form measure(const mesh::Mesh& level, const codec::EncodeOptions& options, codec::Encoded& encoded) {
         const Stopwatch watch;
         Result<codec::Encoded> made =
@@ -309,14 +299,6 @@ class Bench {
     Box bounds_;  // of all levels
     int turns_;
 };
-
-mesh::Model load(const std::string& spec) {
-    constexpr const char* sample = "sample:";
-    Result<mesh::Model> model = spec.starts_with(sample) ? samples::make_sample(spec.substr(std::string(sample).size()))
-                                                         : importer::import_file(spec);
-    if (!model) throw std::runtime_error(model.error().message);
-    return *std::move(model);
-}
 
 std::vector<std::string> default_models(const std::string& data) {
     std::vector<std::string> specs{"sample:teapot", "sample:terrain", "sample:ship"};
@@ -392,7 +374,7 @@ void run(const Arguments& arguments) {
     std::vector<Row> rows;
     for (const std::string& spec : arguments.models.empty() ? default_models(arguments.data) : arguments.models) {
         std::cerr << spec << std::endl;
-        Bench bench(load(spec), *painter, arguments.turns);
+        Bench bench(load_model(spec), *painter, arguments.turns);
         std::uint64_t last = 0;
         for (const std::uint64_t count : arguments.counts) {
             const std::uint64_t asked = std::min(count, bench.triangles());

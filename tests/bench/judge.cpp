@@ -68,7 +68,11 @@ Result<Painter> Painter::create() {
 
 std::vector<render::Image> Painter::draw(const mesh::Model& model, const mesh::Mesh& level,
                                          const std::vector<shading::View>& views) {
-    const auto uploaded = renderer_.upload(render::drawable(model, level));
+    return draw(render::drawable(model, level), views);
+}
+
+std::vector<render::Image> Painter::draw(const codec::Decoded& content, const std::vector<shading::View>& views) {
+    const auto uploaded = renderer_.upload(content);
     if (!uploaded) throw std::runtime_error(uploaded.error().message);
     render::DrawOptions options;
     options.width = options.height = picture_side;
@@ -91,6 +95,10 @@ ImageError Gallery::show(const mesh::Model& materials, const mesh::Mesh& level) 
     const std::vector<render::Image> pictures = painter_.draw(materials, level, views_);
     shown_.push_back(pictures.front());
     return image_error(full_, pictures);
+}
+
+double Gallery::show_split(const mesh::Mesh& level, const std::vector<std::uint8_t>& gouraud, std::size_t view) {
+    return image_error({full_[view]}, painter_.draw(render::drawable(model_, level, gouraud), {views_[view]})).rms;
 }
 
 void Gallery::write(const std::filesystem::path& file) {

@@ -36,6 +36,7 @@ class Painter {
     // refuses.
     std::vector<render::Image> draw(const mesh::Model& model, const mesh::Mesh& level,
                                     const std::vector<shading::View>& views);
+    std::vector<render::Image> draw(const codec::Decoded& content, const std::vector<shading::View>& views);
 
   private:
     Painter(render::GlContext context, render::Renderer renderer)
@@ -54,6 +55,8 @@ class Gallery {
 
     ImageError show(const mesh::Mesh& level) { return show(model_, level); }
     ImageError show(const mesh::Model& level) { return show(level, level.mesh); }  // of materials of its own
+    // One view of a level whose triangles are Gouraud where labelled.
+    double show_split(const mesh::Mesh& level, const std::vector<std::uint8_t>& gouraud, std::size_t view);
     // The first view of the full model and of all levels shown since the last time, side by side.
     void write(const std::filesystem::path& file);
 

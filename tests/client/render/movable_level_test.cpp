@@ -73,7 +73,7 @@ TEST(MovableLevel, KeepsEveryTriangleOnceInOneOrder) {
     std::vector<std::uint32_t> expected(800);
     std::iota(expected.begin(), expected.end(), 0u);
     EXPECT_EQ(all, expected);
-    EXPECT_TRUE(std::is_sorted(level.error_left.rbegin(), level.error_left.rend()));
+    EXPECT_TRUE(std::is_sorted(level.difference_left.rbegin(), level.difference_left.rend()));
 }
 
 TEST(MovableLevel, FlatRegionsTakeTheBordersNormalsAndAverageInside) {
@@ -112,7 +112,7 @@ TEST(MovableLevel, DegenerateFacesAndMissingNormalsStayFinite) {
         const std::vector<std::uint8_t> labels(broken.triangles.size(), label);
         const MovableLevel level = movable(drawable(model_of(broken), broken, labels));
         EXPECT_EQ(level.triangles(), broken.triangles.size() - 1);
-        for (const double left : level.error_left) EXPECT_TRUE(std::isfinite(left));
+        for (const double left : level.difference_left) EXPECT_TRUE(std::isfinite(left));
         for (const Vec3f& normal : level.content.primitives[0].mesh.normals) EXPECT_TRUE(all_finite(normal));
     }
     EXPECT_EQ(movable(Decoded{}).triangles(), 0u);
@@ -133,7 +133,7 @@ TEST(VertexOrder, TransformsFewerVerticesThanTheOrderOfImportanceAlone) {
     const mesh::Mesh mesh = smooth_hills(100);
     mesh::Mesh by_importance = mesh;
     by_importance.triangles.clear();
-    for (const std::uint32_t t : shading::order_by_importance(shading::importance(mesh, {}).error))
+    for (const std::uint32_t t : shading::order_by_gain(shading::importance(mesh, {}).gain))
         by_importance.triangles.push_back(mesh.triangles[t]);
     const MovableLevel level = movable(drawable(model_of(mesh), mesh));
     const double arranged = transforms_per_triangle(level.content.primitives[0].mesh);
@@ -182,7 +182,7 @@ TEST_F(MovableRendererTest, MovingTheSplitOfAHundredThousandTrianglesTakesUnderA
     const MovableLevel level = movable(drawable(model_of(mesh), mesh));
     ASSERT_GT(level.triangles(), 100'000u);
     ASSERT_TRUE(renderer->upload(level));
-    const shading::SplitCurve curve{level.error_left, level.radius};
+    const shading::SplitCurve curve{level.difference_left, level.radius};
     shading::SplitState state = shading::settled_split(0.0, 16, level.triangles());
     std::vector<double> times_ms;
     for (int frame = 0; frame < 101; ++frame) {
@@ -205,7 +205,7 @@ TEST_F(MovableRendererTest, OrbitWithSplitChangesKeepsEveryFrameWithinTheStatedB
     ASSERT_TRUE(renderer->upload(level));
     const Box bounds = world_bounds(level.content);
     const budget::Display display{options.width, options.height};
-    const shading::SplitCurve curve{level.error_left, level.radius};
+    const shading::SplitCurve curve{level.difference_left, level.radius};
     constexpr std::uint32_t steps = 8;
     constexpr int frames = 72;
     const shading::SplitControlOptions control{.max_change = 2.0 / 255.0};

@@ -76,6 +76,7 @@ inline AssetResult asset_result(const std::string& name) {
         sample.series = "equal operations";
         sample.criterion = "importance";
         sample.share_of_price = share;
+        sample.is_chosen = share == 0.875;
         sample.operations = 400;
         sample.result = mode_result(proto::ShadingMode::hybrid, 0, error);
         out.shading.push_back(sample);

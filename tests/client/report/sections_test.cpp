@@ -77,7 +77,7 @@ TEST(Sections, ShadingCountsTheModelsWhereHybridBeatsBothPureModes) {
     ReportData data = testing::report_data();
     EXPECT_THAT(section(sections(data), "shading").text_html, HasSubstr("<strong>1 of 1</strong> models"));
     for (ShadingSample& sample : data.assets[0].shading)
-        if (sample.share_of_price == 0.875) sample.result.image.percent = 2.0;
+        if (sample.is_chosen) sample.result.image.percent = 2.0;
     EXPECT_THAT(section(sections(data), "shading").text_html, HasSubstr("<strong>0 of 1</strong> models"));
     data.assets[0].shading.clear();
     EXPECT_FALSE(section(sections(data), "shading").shown.has_value());

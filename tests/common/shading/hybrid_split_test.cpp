@@ -19,7 +19,7 @@ constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 // The order that a sphere's own importance gives.
 std::vector<std::uint32_t> sphere_order(const mesh::Mesh& mesh) {
-    return order_by_importance(importance(mesh, {}, {.view = View{{0, 10, 0}, {0, 0, 0}, 45.0, {0, 1, 0}}}).error);
+    return order_by_gain(importance(mesh, {}, {.view = View{{0, 10, 0}, {0, 0, 0}, 45.0, {0, 1, 0}}}).gain);
 }
 
 std::vector<std::uint32_t> identity_order(std::size_t count) {

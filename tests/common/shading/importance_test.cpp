@@ -40,12 +40,15 @@ Vec3d random_unit(std::mt19937& random) {
 }
 
 void expect_sound(const Importance& importance, std::size_t triangles) {
-    ASSERT_EQ(importance.error.size(), triangles);
-    for (const double error : importance.error) {
-        EXPECT_TRUE(std::isfinite(error));
-        EXPECT_GE(error, 0.0);
+    ASSERT_EQ(importance.difference.size(), triangles);
+    ASSERT_EQ(importance.gain.size(), triangles);
+    for (std::size_t t = 0; t < triangles; ++t) {
+        EXPECT_TRUE(std::isfinite(importance.difference[t]));
+        EXPECT_GE(importance.difference[t], 0.0);
+        EXPECT_LE(std::abs(importance.gain[t]), importance.difference[t] * (1.0 + 1e-9));
     }
-    EXPECT_TRUE(testing::is_permutation_of_all(order_by_importance(importance.error), triangles));
+    EXPECT_TRUE(testing::is_permutation_of_all(order_by_gain(importance.gain), triangles));
+    EXPECT_LE(worth_gouraud(importance), triangles);
 }
 
 TEST(GreatestDifference, BoundsEveryLightAndViewer) {
@@ -89,39 +92,38 @@ TEST(Importance, TakesNineOperationsATriangleAsThePapersCriterionDoes) {
 TEST(Importance, DoesNotChangeWithTheLight) {
     const mesh::Mesh mesh = testing::sphere(10);
     View view{{0, 0, 5}, {0, 0, 0}, 45.0, {0, 1, 0}};
-    const auto one = importance(mesh, white, {.view = view}).error;
+    const auto one = importance(mesh, white, {.view = view}).gain;
     view.light = {1, -2, 3};
-    EXPECT_EQ(importance(mesh, white, {.view = view}).error, one);
+    EXPECT_EQ(importance(mesh, white, {.view = view}).gain, one);
 }
 
 TEST(Importance, FlatTrianglesWithEqualNormalsCostNothingToDrawFlat) {
     mesh::Mesh mesh = testing::flat_grid(3);
     mesh.normals.assign(mesh.positions.size(), Vec3f(0, 1, 0));
-    for (const double error : importance(mesh, white).error) EXPECT_LT(error, 1e-20);
+    for (const double difference : importance(mesh, white).difference) EXPECT_LT(difference, 1e-20);
     mesh.normals[0] = normalize(Vec3f(1, 1, 0));
-    const auto order = order_by_importance(importance(mesh, white).error);
-    EXPECT_EQ(order.front(), 0u);  // the one triangle at vertex 0
+    const std::vector<double> difference = importance(mesh, white).difference;
+    EXPECT_EQ(std::max_element(difference.begin(), difference.end()), difference.begin());  // the one at vertex 0
 }
 
 TEST(Importance, IsInProportionToTheAreaWithoutAView) {
     mesh::Mesh mesh = testing::sphere(8);
-    const auto unit = importance(mesh, white).error;
+    const auto unit = importance(mesh, white).difference;
     for (Vec3f& p : mesh.positions) p *= 4.0f;
-    const auto large = importance(mesh, white).error;
+    const auto large = importance(mesh, white).difference;
     for (std::size_t t = 0; t < unit.size(); ++t) EXPECT_NEAR(large[t], 16.0 * unit[t], 1e-4 * large[t]);
 }
 
 TEST(Importance, FacesTheViewerBeforeTheBackAndNothingBehindTheEye) {
     const mesh::Mesh mesh = testing::sphere(16);
     const View view{{0, 0, 5}, {0, 0, 0}, 45.0, {0, 1, 0}};
-    const auto error = importance(mesh, white, {.view = view}).error;
-    const auto order = order_by_importance(error);
+    const auto order = order_by_gain(importance(mesh, white, {.view = view}).gain);
     for (std::size_t i = 0; i < order.size() / 4; ++i) {
         const mesh::Triangle& t = mesh.triangles[order[i]];
         EXPECT_GT(mesh.positions[t[0]].z + mesh.positions[t[1]].z + mesh.positions[t[2]].z, 0.0f);
     }
-    const auto away = importance(mesh, white, {.view = View{{0, 0, 5}, {0, 0, 9}, 45.0, {0, 1, 0}}}).error;
-    EXPECT_EQ(away, std::vector<double>(error.size(), 0.0));
+    const auto away = importance(mesh, white, {.view = View{{0, 0, 5}, {0, 0, 9}, 45.0, {0, 1, 0}}}).gain;
+    for (const double gain : away) EXPECT_EQ(gain, 0.0);
 }
 
 TEST(Importance, FollowsTheOriginAsTheEyeDoes) {
@@ -130,35 +132,62 @@ TEST(Importance, FollowsTheOriginAsTheEyeDoes) {
     View moved = view;
     moved.eye += Vec3d(1e6, 0, 0);
     moved.target += Vec3d(1e6, 0, 0);
-    EXPECT_EQ(order_by_importance(importance(mesh, white, {.view = view}).error),
-              order_by_importance(importance(mesh, white, {.view = moved, .origin = Vec3d(1e6, 0, 0)}).error));
+    EXPECT_EQ(order_by_gain(importance(mesh, white, {.view = view}).gain),
+              order_by_gain(importance(mesh, white, {.view = moved, .origin = Vec3d(1e6, 0, 0)}).gain));
 }
 
-TEST(Importance, EverySplitIsAPrefixAndLeavesTheLeastErrorOfItsCount) {
+TEST(Importance, EverySplitIsAPrefixThatGainsMostOfItsCount) {
     const mesh::Mesh mesh = testing::grid(9, [](double x, double z) { return std::sin(x * x) + 0.3 * z; });
-    mesh::Mesh smooth = mesh::with_normals(mesh, 180.0);
-    const auto error = importance(smooth, white).error;
-    const auto order = order_by_importance(error);
-    const auto left = error_left(error, order);
-    ASSERT_EQ(left.size(), error.size() + 1);
+    const Importance importance = shading::importance(mesh::with_normals(mesh, 180.0), white);
+    const auto order = order_by_gain(importance.gain);
+    for (std::size_t i = 1; i < order.size(); ++i) EXPECT_GE(importance.gain[order[i - 1]], importance.gain[order[i]]);
+    const auto left = difference_left(importance.difference, order);
+    ASSERT_EQ(left.size(), order.size() + 1);
     EXPECT_EQ(left.back(), 0.0);
-    std::vector<double> sorted = error;
-    std::sort(sorted.begin(), sorted.end());
-    double least = 0.0;  // of all but k triangles: the k largest taken away
-    for (std::size_t k = error.size(); k-- > 0;) {
-        least += sorted[error.size() - 1 - k];
-        EXPECT_NEAR(left[k], least, 1e-9 * left[0]);
-        EXPECT_GE(left[k], left[k + 1]);
+    for (std::size_t k = order.size(); k-- > 0;)
+        EXPECT_DOUBLE_EQ(left[k], left[k + 1] + importance.difference[order[k]]);
+}
+
+TEST(Importance, OnARoundSurfaceNearlyAllOfTheDifferenceIsGained) {
+    const mesh::Mesh mesh = testing::sphere(24);
+    const Importance importance = shading::importance(mesh, white);
+    double gain = 0.0, difference = 0.0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        gain += importance.gain[t];
+        difference += importance.difference[t];
     }
+    EXPECT_GT(gain, 0.99 * difference);
+}
+
+// A face whose far side bends down: normals halfway around that crease would shade all of it.
+TEST(Importance, BesideACreaseTheFaceIsNearerThanTheBlend) {
+    mesh::Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}};
+    mesh.triangles = {{0, 2, 1}};
+    mesh.normals = {{0, 1, 0}, normalize(Vec3f(1, 1, 0)), normalize(Vec3f(1, 1, 0))};
+    const Importance importance = shading::importance(mesh, white);
+    EXPECT_GT(importance.difference[0], 0.0);
+    EXPECT_LT(importance.gain[0], 0.0);
+    EXPECT_EQ(worth_gouraud(importance), 0u);
+}
+
+TEST(WorthGouraud, TakesWhatGainsThreeMeanDifferences) {
+    Importance importance;
+    importance.difference = {1.0, 1.0, 1.0, 5.0, 12.0};
+    importance.gain = {1.0, 1.0, -1.0, 5.0, 12.1};
+    EXPECT_EQ(worth_gouraud(importance), 1u);
+    importance.gain[3] = 12.01;
+    EXPECT_EQ(worth_gouraud(importance), 2u);
+    EXPECT_EQ(worth_gouraud({}), 0u);
 }
 
 TEST(Importance, ZeroNormalsAreTheWorstThatCanHappenAndFinite) {
     mesh::Mesh mesh = testing::sphere(6);
-    const auto known = importance(mesh, white).error;
+    const auto known = importance(mesh, white).difference;
     mesh.normals.assign(mesh.normals.size(), Vec3f(0.0f));
     const Importance unknown = importance(mesh, white);
     expect_sound(unknown, mesh.triangles.size());
-    for (std::size_t t = 0; t < known.size(); ++t) EXPECT_GE(unknown.error[t], known[t]);
+    for (std::size_t t = 0; t < known.size(); ++t) EXPECT_GE(unknown.difference[t], known[t]);
     mesh.normals.clear();
     expect_sound(importance(mesh, white), mesh.triangles.size());
 }
@@ -168,7 +197,7 @@ TEST(Importance, ZeroAreaFacesCountForNothing) {
     for (Vec3f& p : mesh.positions) p = Vec3f(1, 2, 3);
     const Importance points = importance(mesh, white, {.view = View{{1, 2, 3}, {0, 0, 0}, 45, {0, 1, 0}}});
     expect_sound(points, mesh.triangles.size());
-    for (const double error : points.error) EXPECT_EQ(error, 0.0);
+    for (const double difference : points.difference) EXPECT_EQ(difference, 0.0);
 }
 
 TEST(Importance, CameraOnAVertexInsideTheModelAndInAFacesPlaneIsFinite) {

@@ -1,0 +1,17 @@
+// Models with their materials, and levels of them, for benchmarks of what comes behind simplification.
+#pragma once
+
+#include <string>
+
+#include "common/mesh/mesh.h"
+#include "common/simplify/history.h"
+
+namespace lodestream::bench {
+
+// A model file, or "sample:NAME", a model of server/samples. Throws std::runtime_error with the reader's message.
+mesh::Model load_model(const std::string& spec);
+
+// On all cores. Throws likewise.
+simplify::History record_history(mesh::Mesh mesh);
+
+}  // namespace lodestream::bench
