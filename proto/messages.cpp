@@ -14,6 +14,7 @@ void read_device(const Fields& fields, budget::DeviceReport& device) {
     fields.read("memory_mb", device.memory_mb);
     fields.read("triangles_per_second", device.triangles_per_second);
     fields.read("points_per_second", device.points_per_second);
+    fields.read("flat_triangles_per_second", device.flat_triangles_per_second);
 }
 
 budget::Display read_display(const Fields& fields) {

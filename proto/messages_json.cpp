@@ -70,6 +70,7 @@ Object object_of(const budget::DeviceReport& device) {
     object["memory_mb"] = or_null(device.memory_mb);
     object["triangles_per_second"] = or_null(device.triangles_per_second);
     if (device.points_per_second) object["points_per_second"] = *device.points_per_second;
+    if (device.flat_triangles_per_second) object["flat_triangles_per_second"] = *device.flat_triangles_per_second;
     return object;
 }
 

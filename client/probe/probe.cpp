@@ -94,6 +94,7 @@ budget::DeviceReport device_report(const Report& report) {
     device.triangles_per_second =
         std::min(report.graphics.gouraud_triangles.per_second, report.graphics.flat_triangles.per_second);
     device.points_per_second = report.graphics.points.per_second;
+    device.flat_triangles_per_second = report.graphics.flat_triangles.per_second;
     return device;
 }
 
@@ -104,7 +105,8 @@ std::string to_json(const Report& report) {
                       ",\"gpu\":" + (device.gpu == budget::Gpu::discrete ? "\"discrete\"" : "\"none\"");
     if (device.memory_mb) out += ",\"memory_mb\":" + number(*device.memory_mb);
     out += ",\"triangles_per_second\":" + number(*device.triangles_per_second) +
-           ",\"points_per_second\":" + number(*device.points_per_second) + "},";
+           ",\"points_per_second\":" + number(*device.points_per_second) +
+           ",\"flat_triangles_per_second\":" + number(*device.flat_triangles_per_second) + "},";
     if (const auto& display = report.machine.display)
         out += "\"display\":{\"width\":" + std::to_string(display->width) +
                ",\"height\":" + std::to_string(display->height) + "},";

@@ -290,6 +290,7 @@ Result<DeviceResult> Gatherer::measure_device(AssetResult& asset, std::size_t de
     proto::PlanRequest request = devices_[device].request;
     request.asset = asset.asset.id;
     request.view = reference.view;
+    request.profile = proto::Profile::lean;
 
     DeviceResult out;
     out.device = devices_[device].name;
@@ -310,6 +311,11 @@ Result<DeviceResult> Gatherer::measure_device(AssetResult& asset, std::size_t de
     for (const proto::LeftOut& item : out.plan.left_out) out.left_out_bytes += item.bytes;
 
     request.shading = proto::ShadingMode::hybrid;
+    request.profile = proto::Profile::plain;
+    const Result<proto::PlanResponse> plain = client_.plan(request);
+    if (!plain) return plain.error();
+    out.plain_bytes = plain->content.bytes;
+    request.profile = proto::Profile::lean;
     if (auto again = timed(effort_, out.replan_ms, [&] { return client_.plan(request); }); !again) return again.error();
     if (Status saved = save_pictures(asset, device, picture, reference.images[device]); !saved) return saved.error();
     return out;
@@ -344,6 +350,7 @@ Status Gatherer::measure_split(AssetResult& asset, const Reference& reference) {
     constexpr std::size_t device = 0;
     proto::PlanRequest request = devices_[device].request;
     request.asset = asset.asset.id;
+    request.profile = proto::Profile::lean;
     asset.split_device = devices_[device].name;
     const double tangent = std::tan(radians(reference.view.fov_y_deg) / 2.0);
     const double farthest = display_of(request.budget).height / (shading::far_diameter_px * tangent);  // radii

@@ -148,6 +148,7 @@ Status validate(const Request& request) {
     check(not_positive("device.memory_mb", device.memory_mb));
     check(not_positive("device.triangles_per_second", device.triangles_per_second));
     check(not_positive("device.points_per_second", device.points_per_second));
+    check(not_positive("device.flat_triangles_per_second", device.flat_triangles_per_second));
     if (request.display) {
         check(not_positive("display.width", static_cast<double>(request.display->width)));
         check(not_positive("display.height", static_cast<double>(request.display->height)));
@@ -165,6 +166,11 @@ Status validate(const Request& request) {
     check(not_positive("reference.triangles", request.reference.triangles));
     if (wrong) return invalid_input(*wrong);
     return Nothing{};
+}
+
+bool gouraud_costs_no_more(const DeviceReport& device) {
+    return device.triangles_per_second && device.flat_triangles_per_second &&
+           *device.flat_triangles_per_second <= least_flat_gain * *device.triangles_per_second;
 }
 
 Result<Budget> derive_budget(const Request& request, const AssetCost& asset) {

@@ -34,7 +34,14 @@ struct DeviceReport {
     std::optional<double> memory_mb;             // > 0; bounds what a level may occupy when drawn
     std::optional<double> triangles_per_second;  // > 0; measured, replaces the capacity derived from clock and GPU
     std::optional<double> points_per_second;     // > 0; measured, likewise where points are asked for
+    // > 0; measured, where triangles_per_second is the rate of Gouraud ones or the lower of both.
+    std::optional<double> flat_triangles_per_second;
 };
+
+// Whether the device is known to draw flat triangles hardly faster than Gouraud ones (Table 3 reckons with four times),
+// so that a hybrid level would save it no time. A tenth is within what a probe repeats.
+inline constexpr double least_flat_gain = 1.1;
+bool gouraud_costs_no_more(const DeviceReport& device);
 
 struct Display {
     std::uint32_t width = 0;   // px

@@ -69,11 +69,18 @@ QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double err
                                       off_surface_share_of_extent * grid.range);
     const double largest_step = mesh::mean_edge_length(level) / steps_per_edge;
     const SurfaceRounding surface(level.positions, level.triangles);
-    for (grid.bits = min_position_bits; grid.bits < max_position_bits; ++grid.bits) {
-        if (positive(largest_step) && grid.step() > largest_step) continue;
+    grid.bits = min_position_bits;
+    const auto is_coarse = [&] {
         // Rounding along a surface gains less than three bits on the nearest point, which is off by 0.29 steps.
-        if (grid.step() > 30.0 * allowed) continue;
-        if (surface.round(grid).off_surface_rms <= allowed) break;
+        return (positive(largest_step) && grid.step() > largest_step) || grid.step() > 30.0 * allowed;
+    };
+    while (grid.bits < max_position_bits && is_coarse()) ++grid.bits;
+    while (grid.bits < max_position_bits) {
+        const double off = surface.round(grid).off_surface_rms;
+        if (off <= allowed) break;
+        // What is off falls about as the step does.
+        const double octaves = std::min(std::log2(off / allowed), double{max_position_bits});
+        grid.bits = std::min(grid.bits + std::max(1, static_cast<int>(octaves)), max_position_bits);
     }
     return grid;
 }

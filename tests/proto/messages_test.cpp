@@ -238,6 +238,15 @@ TEST(PlanResponse, TellsTheErrorOfAnOutsideWhereALevelShowsNothingElse) {
     EXPECT_EQ(again->level.outside->max_error, 1.5);
 }
 
+TEST(PlanRequest, TellsWhatFlatTrianglesCostTheDevice) {
+    const auto request =
+        parse_plan_request(R"({"asset":"a","device":{"cpu_mhz":300,"flat_triangles_per_second":5e5}})");
+    ASSERT_TRUE(request) << request.error().message;
+    EXPECT_EQ(request->budget.device.flat_triangles_per_second, 5e5);
+    EXPECT_FALSE(budget::gouraud_costs_no_more(request->budget.device));  // nothing to compare it with
+    EXPECT_FALSE(parse_plan_request(R"({"asset":"a","device":{"cpu_mhz":300,"flat_triangles_per_second":-1}})"));
+}
+
 TEST(PlanRequest, NamesWhatALevelMayBeMadeOf) {
     const auto request =
         parse_plan_request(R"({"asset":"a","device":{"cpu_mhz":300,"points_per_second":5e5},"primitives":"any"})");

@@ -38,6 +38,7 @@ TEST(Probe, ItsJsonIsADeviceFile) {
     EXPECT_EQ(*request->budget.device.memory_mb, 4096.0);
     EXPECT_EQ(*request->budget.device.triangles_per_second, 2e6);  // the lower rate
     EXPECT_EQ(*request->budget.device.points_per_second, 5e6);
+    EXPECT_EQ(*request->budget.device.flat_triangles_per_second, constructed().graphics.flat_triangles.per_second);
     EXPECT_FALSE(request->budget.display);
 }
 

@@ -81,6 +81,17 @@ inline AssetResult asset_result(const std::string& name) {
         sample.result = mode_result(proto::ShadingMode::hybrid, 0, error);
         out.shading.push_back(sample);
     }
+    for (const auto& [d, frame_ms] : {std::pair{0.0, 8.0}, std::pair{1.0, 4.0}}) {
+        ShadingSample sample;
+        sample.series = "lights";
+        sample.criterion = "importance from anywhere";
+        sample.lights = 4;
+        sample.display = {800, 600};
+        sample.distance = d;
+        sample.result = mode_result(proto::ShadingMode::hybrid, 0, d);
+        sample.result.frame_ms = frame_ms;
+        out.shading.push_back(sample);
+    }
     out.pictures = {{"phone", 320, 240, "png", "png", "png", "pictures/x.png"}};
     return out;
 }

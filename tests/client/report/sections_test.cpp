@@ -83,6 +83,14 @@ TEST(Sections, ShadingCountsTheModelsWhereHybridBeatsBothPureModes) {
     EXPECT_FALSE(section(sections(data), "shading").shown.has_value());
 }
 
+TEST(Sections, ShadingMapsWhereFlatSavesTime) {
+    ReportData data = testing::report_data();
+    EXPECT_THAT(section(sections(data), "shading").text_html,
+                HasSubstr("<li>4 lights, 800×600: flat takes 50 % of Gouraud’s frame time: hybrid can pay</li>"));
+    for (ShadingSample& sample : data.assets[0].shading) sample.result.frame_ms = 8.0;
+    EXPECT_THAT(section(sections(data), "shading").text_html, HasSubstr("<strong>all Gouraud</strong> is nearer"));
+}
+
 TEST(Sections, SummarySaysNeverMoreOnlyWhereHybridIsNeverLarger) {
     ReportData data = testing::report_data();
     EXPECT_THAT(joined(summary_html(data)), HasSubstr("never more"));

@@ -124,6 +124,28 @@ TEST(Planner, TheSamePlanComesFromTheStore) {
     EXPECT_DOUBLE_EQ(again.level.rms_error, first.level.rms_error);
 }
 
+TEST(Planner, WhereFlatIsNoFasterAllIsGouraudAndThePlanSaysSo) {
+    proto::PlanRequest request = large_hybrid();
+    request.budget.device.triangles_per_second = 1e9;
+    const auto says_so = [](const proto::PlanResponse& plan) {
+        return std::any_of(plan.warnings.begin(), plan.warnings.end(),
+                           [](const std::string& w) { return w.find("flat triangles hardly faster") != w.npos; });
+    };
+    for (const double flat : {0.5e9, 1.0e9, 1.09e9}) {
+        request.budget.device.flat_triangles_per_second = flat;
+        const proto::PlanResponse plan = *baked().planner.plan(request);
+        EXPECT_EQ(plan.shading.mode, "gouraud") << flat;
+        EXPECT_TRUE(says_so(plan));
+    }
+    request.budget.device.flat_triangles_per_second = 4e9;
+    const proto::PlanResponse dear = *baked().planner.plan(request);
+    EXPECT_EQ(dear.shading.mode, "hybrid");
+    EXPECT_FALSE(says_so(dear));
+    request.budget.device.flat_triangles_per_second = 1e9;
+    request.shading = proto::ShadingMode::flat;
+    EXPECT_EQ(baked().planner.plan(request)->shading.gouraud, 0u);
+}
+
 TEST(Planner, PureModesSendAllOrNoNormals) {
     for (proto::PlanRequest request : {contract_example(), large_hybrid()}) {
         const proto::PlanResponse hybrid = *baked().planner.plan(request);
