@@ -31,7 +31,7 @@ inline constexpr int min_position_bits = 6;
 inline constexpr int max_position_bits = 20;
 
 // How far rounding may move a level off its surface, RMS: this share of the error that the level has anyway, which
-// raises a picture's error by a few percent, and of its extent what Draco's usual 14 bits cost.
+// raises a picture's error by a few percent, and of its extent about what Draco's usual 14 bits cost.
 inline constexpr double off_surface_share_of_error = 0.35;
 inline constexpr double off_surface_share_of_extent = 0.36 / (1 << 14);
 // And no step is larger than this share of the mean edge.
@@ -63,8 +63,8 @@ struct SmallerImage {
     std::uint64_t bytes_below_a_pixel = 0;  // of the bytes saved, those that the display could not have shown
 };
 
-// Half of what normals are off anyway where a level is `error` off the full model, as far as that can be told from the
-// length of its edges.
+// In proportion to what normals are off anyway where a level is `error` off the full model, as far as that can be told
+// from the length of its edges.
 double fit_normal_tolerance_degrees(const mesh::Mesh& level, double error);
 // Bits of a plain level's normals that keep a step below a quarter of the tolerance, 10 at most. pre: > 0
 int fit_normal_bits(double tolerance_degrees);

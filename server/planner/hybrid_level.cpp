@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "common/shading/hybrid_split.h"
@@ -11,8 +12,9 @@ namespace lodestream::planner {
 
 namespace {
 
-// Regions of the split, from the closest to the order of importance to the cheapest border.
-constexpr std::array<std::uint32_t, 4> region_counts{64, 16, 4, 1};
+// Regions of the split, from the closest to the order of gain to the cheapest border.
+constexpr std::array<std::uint32_t, 3> region_counts{64, 16, 4};
+constexpr std::uint32_t cheapest_regions = 1;
 
 // What stays the same from one try to the next.
 struct Job {
@@ -78,11 +80,22 @@ Result<EncodedSplit> encode_split(const mesh::Model& model, const mesh::Mesh& le
     const std::uint64_t bytes_allowed = all_gouraud->encoded.glb.size();
 
     const std::vector<std::uint32_t> order = shading::order_by_gain(importance.gain);
-    for (const std::uint32_t regions : region_counts) {
-        Result<EncodedSplit> hybrid = encode_with(job, shading::coherent_split(level, order, gouraud, regions));
-        if (!hybrid || hybrid->encoded.glb.size() <= bytes_allowed) return hybrid;
+    const auto encode_regions = [&](std::uint32_t regions) {
+        return encode_with(job, shading::coherent_split(level, order, gouraud, regions));
+    };
+    const auto is_settled = [&](const Result<EncodedSplit>& hybrid) {
+        return !hybrid || hybrid->encoded.glb.size() <= bytes_allowed;
+    };
+    // Plain levels code every border twice: where the cheapest is too dear, the others are.
+    std::optional<Result<EncodedSplit>> cheapest;
+    if (!options.lean) {
+        cheapest = encode_regions(cheapest_regions);
+        if (!is_settled(*cheapest)) return all_gouraud;
     }
-    return all_gouraud;
+    for (const std::uint32_t regions : region_counts)
+        if (Result<EncodedSplit> hybrid = encode_regions(regions); is_settled(hybrid)) return hybrid;
+    if (!cheapest) cheapest = encode_regions(cheapest_regions);
+    return is_settled(*cheapest) ? *std::move(cheapest) : all_gouraud;
 }
 
 }  // namespace lodestream::planner

@@ -35,7 +35,8 @@ using Extras = std::function<std::string(const EncodedSplit&)>;
 
 // `model` gives materials, images and origin. Triangles are judged by common/shading/importance.h in the request's
 // view, whatever the mode, as Table 3 counts the criterion in all of its rows. Tries ever fewer and larger regions
-// until the hybrid level is not larger than the all-Gouraud one, and sends that one if none is. A lean level carries no
+// until the hybrid level is not larger than the all-Gouraud one, and sends that one if none is, or if a plain level's
+// cheapest border is too dear. A lean level carries no
 // extras, which its client has from the plan, and is a plain one where that is smaller.
 Result<EncodedSplit> encode_split(const mesh::Model& model, const mesh::Mesh& level, const SplitRequest& request,
                                   const codec::EncodeOptions& options, const Extras& extras);
