@@ -91,8 +91,9 @@ Vec3d moved_by(const Vec3d& base, const std::array<std::uint32_t, 2>& residual, 
     const std::array<Vec3d, 2> frame = frame_around(base);
     std::array<double, 2> p{};
     for (std::size_t k = 0; k < 2; ++k) {
-        const auto half = static_cast<double>(residual[k] / 2);
-        p[k] = step * (residual[k] % 2 ? -half - 1.0 : half);
+        const std::uint32_t magnitude = residual[k] / 2;
+        const auto steps = static_cast<double>(magnitude);
+        p[k] = step * (residual[k] % 2 == 0 ? steps : -1.0 - steps);
     }
     return unit_or(2.0 * (p[0] * frame[0] + p[1] * frame[1]) + (1.0 - p[0] * p[0] - p[1] * p[1]) * base, base);
 }

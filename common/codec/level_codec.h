@@ -85,7 +85,7 @@ struct EncodeOptions {
     // What a Gouraud normal may be off by, and three times that where its face is farther off: those that its triangles
     // tell as well are not sent, or cost next to nothing. 0: as close as they can be sent.
     double normal_tolerance_degrees = 0.0;
-    int texture_coordinate_bits = 12;
+    int texture_coordinate_bits = 12;  // at most; fewer where a step would be finer than a quarter of a texel
     std::vector<SmallerImage> images;  // one for each of the model's; empty: all as they are
     std::string extras_json;           // an object, put into the asset's `extras.lodestream`; empty: none
 };

@@ -24,6 +24,7 @@ using nlohmann::json;
 
 constexpr double max_outside_grid = 1.0;  // grid ranges that a position may lie outside the grid
 constexpr double float_rounding = 4.0 / (1 << 24);
+constexpr int min_texture_coordinate_bits = 4;
 constexpr double least_lean_tolerance_degrees = 0.1;
 
 Status check_options(const EncodeOptions& options) {
@@ -31,8 +32,8 @@ Status check_options(const EncodeOptions& options) {
     if (!all_finite(grid.origin) || !std::isfinite(grid.range) || grid.range <= 0.0f || grid.bits < min_position_bits ||
         grid.bits > max_position_bits)
         return invalid_input("encode: the quantization grid is not valid");
-    if (options.normal_bits < 4 || options.normal_bits > 16 || options.texture_coordinate_bits < 4 ||
-        options.texture_coordinate_bits > 16)
+    if (options.normal_bits < 4 || options.normal_bits > 16 ||
+        options.texture_coordinate_bits < min_texture_coordinate_bits || options.texture_coordinate_bits > 16)
         return invalid_input("encode: normals and texture coordinates take 4 to 16 bits");
     return Nothing{};
 }
@@ -174,7 +175,31 @@ Mesh with_cheap_normals(const Mesh& level, std::span<const std::uint8_t> gouraud
     return std::move(replaced.level);
 }
 
-Result<Channels> make_channels(const Mesh& level, const std::vector<Vec3d>& grid_points, const EncodeOptions& options) {
+// Over the images that are sent with the groups; 0 where one does not tell its size.
+std::uint32_t most_texels(const Model& model, const EncodeOptions& options, const std::vector<Group>& groups) {
+    std::uint32_t most = 1;
+    for (const Group& group : groups) {
+        const Material& m = model.materials[group.material];
+        for (const auto* texture :
+             {&m.base_color_texture, &m.metallic_roughness_texture, &m.occlusion_texture, &m.emissive_texture}) {
+            if (!group.has_texture || texture->image < 0) continue;
+            const mesh::Image& image = sent_image(model, options, static_cast<std::size_t>(texture->image));
+            if (image.width == 0 || image.height == 0) return 0;
+            most = std::max({most, image.width, image.height});
+        }
+    }
+    return most;
+}
+
+int texture_coordinate_bits(const Model& model, const EncodeOptions& options, const std::vector<Group>& groups) {
+    const std::uint32_t texels = most_texels(model, options, groups);
+    if (texels == 0) return options.texture_coordinate_bits;
+    const int quarters = static_cast<int>(std::ceil(std::log2(4.0 * texels)));
+    return std::min(options.texture_coordinate_bits, std::max(quarters, min_texture_coordinate_bits));
+}
+
+Result<Channels> make_channels(const Mesh& level, const std::vector<Vec3d>& grid_points, const EncodeOptions& options,
+                               int texture_bits) {
     Channels channels;
     const auto keep = [](Result<Channel> made, auto& slot) -> Status {
         if (!made) return made.error();
@@ -189,9 +214,8 @@ Result<Channels> make_channels(const Mesh& level, const std::vector<Vec3d>& grid
     if (status && !level.normals.empty())
         status = keep(normal_channel(used_only(level, level.normals), options.normal_bits), channels.normal);
     if (status && !level.texture_coordinates.empty())
-        status = keep(
-            texture_coordinate_channel(used_only(level, level.texture_coordinates), options.texture_coordinate_bits),
-            channels.texture_coordinate);
+        status = keep(texture_coordinate_channel(used_only(level, level.texture_coordinates), texture_bits),
+                      channels.texture_coordinate);
     if (status && !level.colors.empty()) status = keep(color_channel(used_only(level, level.colors)), channels.color);
     if (!status) return status.error();
     return channels;
@@ -589,7 +613,8 @@ Result<Encoded> encode(const Model& model, const Mesh& level, std::span<const st
     Omissions omissions;
     add_images_and_materials(model, options, groups, omissions);
     if (!groups.empty()) {
-        Result<Channels> channels = make_channels(sent, grid_points, options);
+        Result<Channels> channels =
+            make_channels(sent, grid_points, options, texture_coordinate_bits(model, options, groups));
         if (!channels) return channels.error();
         std::map<const Group*, std::size_t> materials;
         for (const Group& group : groups)

@@ -503,6 +503,31 @@ TEST(LevelCodec, MaterialsImagesOriginAndExtrasArriveUnchanged) {
     EXPECT_EQ(arrived.emissive_texture.image, -1);
 }
 
+TEST(LevelCodec, TextureCoordinatesAreNoFinerThanAQuarterOfATexel) {
+    Mesh level = testing::flat_grid(16);
+    for (const Vec3f& p : level.positions)
+        level.texture_coordinates.emplace_back(0.5f + 0.31f * p.x + 0.011f * p.z * p.z, 0.5f + 0.37f * p.z);
+    Model model = model_of_one_material();
+    model.images.push_back(png_image());
+    model.materials[0].base_color_texture.image = 0;
+    const EncodeOptions options = options_for(level);
+    std::size_t last_bytes = 0;
+    for (const std::uint32_t texels : {16u, 256u, 8192u}) {
+        model.images[0].width = model.images[0].height = texels;
+        const Coded coded = round_trip(model, level, shaded(level, 0), options);
+        EXPECT_GT(coded.encoded.geometry_bytes, last_bytes);
+        last_bytes = coded.encoded.geometry_bytes;
+        std::map<GridPoint, std::size_t> source;
+        for (std::size_t v = 0; v < level.positions.size(); ++v) source[on_grid(level.positions[v], options.grid)] = v;
+        const Mesh& mesh = coded.decoded.primitives.at(0).mesh;
+        const float off = std::max(0.25f / static_cast<float>(texels), 2.0f / 4095.0f);
+        for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+            EXPECT_LT(glm::length(mesh.texture_coordinates[v] -
+                                  level.texture_coordinates[source.at(on_grid(mesh.positions[v], options.grid))]),
+                      off);
+    }
+}
+
 TEST(LevelCodec, TextureThatRepeatsOftenKeepsItsTexels) {
     Mesh level = testing::flat_grid(8);
     for (const Vec3f& p : level.positions) level.texture_coordinates.emplace_back(p.x * 37.3f, p.z * 12.1f);
