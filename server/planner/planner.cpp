@@ -150,11 +150,11 @@ metric::SurfaceError seen_error(const proto::PlanResponse& response) {
     return {level.rms_error, level.max_error};
 }
 
-// Names everything that the encoded bytes depend on. The view matters only where triangles are chosen by it.
+// Names everything that the encoded bytes depend on, the form of lean shading and the order of triangles by its first
+// word: what an older server stored is made anew. The view matters only where triangles are chosen by it.
 std::string content_key(const LevelRequest& level, const Vec3d& center) {
     const SplitRequest& split = level.split;
-    std::string key =
-        "level/importance/" + std::to_string(level.triangles) + "/" + proto::shading_mode_name(split.mode);
+    std::string key = "level/gain/" + std::to_string(level.triangles) + "/" + proto::shading_mode_name(split.mode);
     if (level.shell) key += "/outside";
     if (level.profile == proto::Profile::lean) key += "/lean";
     if (!level.textures.key.empty()) key += "/images" + level.textures.key;
