@@ -159,8 +159,6 @@ class Surface {
         return cross(positions_[t[1]] * scale_ - a, positions_[t[2]] * scale_ - a);
     }
 
-    const std::vector<Vec3f>& positions_;
-    const Triangles& triangles_;
     // pre: `area` is the triangle's
     Vec3f by_sine(const Vec3f& area, const mesh::Triangle& t, std::uint32_t k) const {
         const Vec3f at = positions_[t[k]] * scale_;
@@ -169,6 +167,8 @@ class Surface {
         return lengths > std::numeric_limits<float>::min() ? area * (1.0f / lengths) : Vec3f{0.0f};
     }
 
+    const std::vector<Vec3f>& positions_;
+    const Triangles& triangles_;
     const std::vector<std::uint8_t>& gouraud_;
     Weights weights_;
     float scale_;

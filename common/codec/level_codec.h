@@ -63,15 +63,6 @@ struct SmallerImage {
     std::uint64_t bytes_below_a_pixel = 0;  // of the bytes saved, those that the display could not have shown
 };
 
-// In proportion to what normals are off anyway where a level is `error` off the full model, as far as that can be told
-// from the length of its edges.
-double fit_normal_tolerance_degrees(const mesh::Mesh& level, double error);
-// Bits of a plain level's normals that keep a step below a quarter of the tolerance, 10 at most. pre: > 0
-int fit_normal_bits(double tolerance_degrees);
-inline constexpr double normal_tolerance_per_slope = 6.0;  // of the angle whose tangent is error over mean edge
-inline constexpr double least_normal_tolerance_degrees = 0.7;
-inline constexpr double largest_normal_tolerance_degrees = 8.0;
-
 enum class Rounding {
     nearest,        // half a step at most on each axis, by the position alone: what must meet other content bit for bit
     along_surface,  // one and a half at most: to where the surface moves least (common/codec/rounding.h)
@@ -89,6 +80,18 @@ struct EncodeOptions {
     std::vector<SmallerImage> images;  // one for each of the model's; empty: all as they are
     std::string extras_json;           // an object, put into the asset's `extras.lodestream`; empty: none
 };
+
+// In proportion to what normals are off anyway where a level is `error` off the full model, as far as that can be told
+// from the length of its edges.
+double fit_normal_tolerance_degrees(const mesh::Mesh& level, double error);
+// Bits of a plain level's normals that keep a step below a quarter of the tolerance, 10 at most. pre: > 0
+int fit_normal_bits(double tolerance_degrees);
+inline constexpr double normal_tolerance_per_slope = 6.0;  // of the angle whose tangent is error over mean edge
+inline constexpr double least_normal_tolerance_degrees = 0.7;
+inline constexpr double largest_normal_tolerance_degrees = 8.0;
+
+// Sets both.
+void fit_normals(EncodeOptions& options, const mesh::Mesh& level, double error);
 
 struct Encoded {
     std::vector<std::byte> glb;

@@ -70,6 +70,10 @@ const mesh::Image& sent_image(const Model& model, const EncodeOptions& options, 
     return is_smaller ? *options.images[image].image : model.images[image];
 }
 
+std::array<const mesh::TextureReference*, 4> textures_of(const Material& m) {
+    return {&m.base_color_texture, &m.metallic_roughness_texture, &m.occlusion_texture, &m.emissive_texture};
+}
+
 Status check_texture(const Model& model, const EncodeOptions& options, const mesh::TextureReference& texture) {
     if (texture.image < 0) return Nothing{};
     if (static_cast<std::size_t>(texture.image) >= model.images.size())
@@ -179,9 +183,7 @@ Mesh with_cheap_normals(const Mesh& level, std::span<const std::uint8_t> gouraud
 std::uint32_t most_texels(const Model& model, const EncodeOptions& options, const std::vector<Group>& groups) {
     std::uint32_t most = 1;
     for (const Group& group : groups) {
-        const Material& m = model.materials[group.material];
-        for (const auto* texture :
-             {&m.base_color_texture, &m.metallic_roughness_texture, &m.occlusion_texture, &m.emissive_texture}) {
+        for (const auto* texture : textures_of(model.materials[group.material])) {
             if (!group.has_texture || texture->image < 0) continue;
             const mesh::Image& image = sent_image(model, options, static_cast<std::size_t>(texture->image));
             if (image.width == 0 || image.height == 0) return 0;
@@ -515,10 +517,12 @@ std::vector<std::byte> lean_shading(const Part& part, const Channel& normal, con
     if (part.gouraud == 0) return {};
     const std::vector<std::uint32_t> sources = source_corners(part.triangles, part.channels, decoded);
     WantedShading wanted;
-    for (std::size_t i = 0; i < normal.values.size(); i += 3)
-        wanted.normals.emplace_back(normal.values[i], normal.values[i + 1], normal.values[i + 2]);
+    KeyTable used(1);  // of the level's normals
     for (std::size_t c = 0; c < sources.size(); ++c) {
-        wanted.normal_of_corner.push_back(normal.value_of_vertex[part.triangles[sources[c] / 3][sources[c] % 3]]);
+        const std::uint32_t value = normal.value_of_vertex[part.triangles[sources[c] / 3][sources[c] % 3]];
+        wanted.normal_of_corner.push_back(used.find_or_add(&value));
+        const float* n = &normal.values[3 * std::size_t{value}];
+        if (used.size() > wanted.normals.size()) wanted.normals.emplace_back(n[0], n[1], n[2]);
         if (c % 3 == 0) wanted.gouraud.push_back(sources[c] / 3 < part.gouraud ? 1 : 0);
     }
     return encode_lean_shading(decoded_positions(decoded),
@@ -559,11 +563,9 @@ void add_images_and_materials(const Model& model, const EncodeOptions& options, 
                               Omissions& omissions) {
     std::vector<bool> material_used(model.materials.size(), false), image_used(model.images.size(), false);
     for (const Group& group : groups) {
-        const Material& m = model.materials[group.material];
         material_used[group.material] = true;
         if (!group.has_texture) continue;
-        for (const auto* texture :
-             {&m.base_color_texture, &m.metallic_roughness_texture, &m.occlusion_texture, &m.emissive_texture})
+        for (const auto* texture : textures_of(model.materials[group.material]))
             if (texture->image >= 0) image_used[static_cast<std::size_t>(texture->image)] = true;
     }
     for (std::size_t i = 0; i < image_used.size(); ++i)
@@ -583,9 +585,7 @@ Status check_textures(const Model& model, const EncodeOptions& options, const st
         return invalid_input("encode: not one smaller image for each of the model's");
     for (const Group& group : groups) {
         if (!group.has_texture) continue;
-        const Material& m = model.materials[group.material];
-        for (const auto* texture :
-             {&m.base_color_texture, &m.metallic_roughness_texture, &m.occlusion_texture, &m.emissive_texture})
+        for (const auto* texture : textures_of(model.materials[group.material]))
             if (Status status = check_texture(model, options, *texture); !status) return status;
     }
     return Nothing{};
@@ -604,7 +604,9 @@ Result<Encoded> encode(const Model& model, const Mesh& level, std::span<const st
     if (const Status status = check_inside(level, options.grid); !status) return status.error();
     std::vector<Vec3d> grid_points = level.triangles.empty() ? std::vector<Vec3d>{} : grid_points_of(level, options);
     const bool cheapens = !options.lean && options.normal_tolerance_degrees > 0.0 && !level.normals.empty();
-    const Mesh sent = cheapens ? with_cheap_normals(level, gouraud, options, grid_points) : level;
+    std::optional<Mesh> cheaper;
+    if (cheapens) cheaper = with_cheap_normals(level, gouraud, options, grid_points);
+    const Mesh& sent = cheaper ? *cheaper : level;
     const std::vector<Group> groups = group_by_material(model, sent, gouraud);
     if (2 * groups.size() > max_gltf_elements) return fail(ErrorCode::limit_exceeded, "encode: too many materials");
     if (const Status status = check_textures(model, options, groups); !status) return status.error();

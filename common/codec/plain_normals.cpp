@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "common/codec/key_table.h"
 #include "common/codec/lean_shading.h"
@@ -14,17 +15,10 @@
 namespace lodestream::codec {
 namespace {
 
-// Equal normals under one number.
-std::vector<std::uint32_t> numbers_of(const std::vector<Vec3f>& normals) {
-    KeyTable table(3);
-    std::vector<std::uint32_t> numbers;
-    numbers.reserve(normals.size());
-    for (const Vec3f& n : normals) {
-        const std::array key{std::bit_cast<std::uint32_t>(n.x), std::bit_cast<std::uint32_t>(n.y),
-                             std::bit_cast<std::uint32_t>(n.z)};
-        numbers.push_back(table.find_or_add(key.data()));
-    }
-    return numbers;
+using NormalKey = std::array<std::uint32_t, 3>;
+
+NormalKey key_of(const Vec3f& n) {
+    return {std::bit_cast<std::uint32_t>(n.x), std::bit_cast<std::uint32_t>(n.y), std::bit_cast<std::uint32_t>(n.z)};
 }
 
 // The normals that Draco's prediction can have, which rounds towards zero. What it encodes goes to the nearest, so that
@@ -58,11 +52,8 @@ class Replacement {
           grid_points_(grid_points),
           tolerance_degrees_(tolerance_degrees),
           first_(mesh::weld_positions(level.positions)),
-          number_of_normal_(numbers_of(level.normals)),
           local_(level.positions.size(), none) {
         result_.level = level;
-        normals_.resize(level.normals.size());
-        for (std::size_t v = 0; v < level.normals.size(); ++v) normals_[number_of_normal_[v]] = level.normals[v];
     }
 
     void add(std::span<const std::uint32_t> triangles) {
@@ -71,7 +62,7 @@ class Replacement {
         std::vector<mesh::Triangle> local_triangles;
         WantedShading wanted;
         wanted.gouraud.assign(triangles.size(), 1);
-        wanted.normals = normals_;
+        KeyTable normals(std::tuple_size_v<NormalKey>);
         for (const std::uint32_t t : triangles) {
             mesh::Triangle& triangle = local_triangles.emplace_back();
             for (std::size_t k = 0; k < 3; ++k) {
@@ -83,7 +74,9 @@ class Replacement {
                     used.push_back(first_[v]);
                 }
                 triangle[k] = number;
-                wanted.normal_of_corner.push_back(number_of_normal_[v]);
+                const Vec3f& normal = from_.normals[v];
+                wanted.normal_of_corner.push_back(normals.find_or_add(key_of(normal).data()));
+                if (normals.size() > wanted.normals.size()) wanted.normals.push_back(normal);
             }
         }
         for (const std::uint32_t v : used) local_[v] = none;
@@ -132,8 +125,7 @@ class Replacement {
     const mesh::Mesh& from_;
     const std::vector<Vec3d>& grid_points_;
     double tolerance_degrees_;
-    const std::vector<std::uint32_t> first_, number_of_normal_;
-    std::vector<Vec3f> normals_;
+    const std::vector<std::uint32_t> first_;
     std::vector<std::uint32_t> local_;  // of first vertices, within the material at work
     Replaced result_;
 };

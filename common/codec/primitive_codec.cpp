@@ -16,6 +16,8 @@
 #include <string>
 #include <utility>
 
+#include "common/codec/rounding.h"
+
 namespace lodestream::codec {
 namespace {
 
@@ -111,12 +113,11 @@ std::vector<float> inverse(draco::AttributeTransform& transform, const draco::Po
 std::vector<float> snapped_to_grid(Channel& channel) {
     std::vector<std::int32_t> steps;
     const GridRecord stand_in = stand_in_grid(channel);
-    const double scale = largest_code(channel.bits) / static_cast<double>(channel.range);
     for (std::size_t i = 0; i < channel.values.size(); ++i) {
         const std::size_t axis = i % channel.components;
-        const double nearest =
-            std::floor((static_cast<double>(channel.values[i]) - channel.origin[axis]) * scale + 0.5);
-        const double step = channel.grid_points.empty() ? nearest : channel.grid_points[i / 3][static_cast<int>(axis)];
+        const double step = channel.grid_points.empty()
+                                ? nearest_step(channel.values[i], channel.origin[axis], channel.range, channel.bits)
+                                : channel.grid_points[i / 3][static_cast<int>(axis)];
         steps.push_back(static_cast<std::int32_t>(step));
         channel.codes.push_back(static_cast<float>(step + stand_in.origin[axis]));
     }

@@ -97,6 +97,11 @@ int fit_normal_bits(double tolerance_degrees) {
     return std::clamp(static_cast<int>(std::ceil(std::log2(4.0 * around / tolerance_degrees) - 1e-9)), 4, 10);
 }
 
+void fit_normals(EncodeOptions& options, const mesh::Mesh& level, double error) {
+    options.normal_tolerance_degrees = fit_normal_tolerance_degrees(level, error);
+    options.normal_bits = fit_normal_bits(options.normal_tolerance_degrees);
+}
+
 QuantizationGrid choose_window(const Box& bounds, double error, double mean_edge_length) {
     const QuantizationGrid free = choose_grid(bounds, error, mean_edge_length);
     if (bounds.empty() || !all_finite(bounds.min) || !all_finite(bounds.max)) return free;

@@ -15,9 +15,15 @@ constexpr double sliding_weight = 0.005;
 
 }  // namespace
 
+double nearest_step(double value, double origin, double range, int bits) {
+    return std::floor((value - origin) * ((std::ldexp(1.0, bits) - 1.0) / range) + 0.5);
+}
+
 Vec3d nearest_grid_point(const Vec3f& position, const QuantizationGrid& grid) {
-    const double scale = (std::ldexp(1.0, grid.bits) - 1.0) / static_cast<double>(grid.range);
-    return glm::floor((Vec3d(position) - Vec3d(grid.origin)) * scale + 0.5);
+    Vec3d point;
+    for (int axis = 0; axis < 3; ++axis)
+        point[axis] = nearest_step(position[axis], grid.origin[axis], grid.range, grid.bits);
+    return point;
 }
 
 // The sum of weight * n nT, its upper triangle: a displacement d is off the planes by sqrt(dT A d / weight).

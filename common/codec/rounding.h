@@ -10,6 +10,8 @@
 
 namespace lodestream::codec {
 
+// The whole number of steps from the origin that is nearest, where `range` has 2^bits - 1 of them.
+double nearest_step(double value, double origin, double range, int bits);
 // Grid coordinates, whole numbers.
 Vec3d nearest_grid_point(const Vec3f& position, const QuantizationGrid& grid);
 

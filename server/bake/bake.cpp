@@ -321,8 +321,7 @@ bool is_empty(const mesh::Model& model) {
 codec::EncodeOptions level_options(const Box& grid_bounds, const mesh::Mesh& level, const metric::SurfaceError& error) {
     codec::EncodeOptions options;
     options.grid = codec::fit_grid(grid_bounds, level, error.rms);
-    options.normal_tolerance_degrees = codec::fit_normal_tolerance_degrees(level, error.rms);
-    options.normal_bits = codec::fit_normal_bits(options.normal_tolerance_degrees);
+    codec::fit_normals(options, level, error.rms);
     return options;
 }
 

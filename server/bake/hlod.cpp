@@ -262,8 +262,7 @@ class TileMaker {
         codec::EncodeOptions options;
         options.grid = grid;
         options.rounding = codec::Rounding::nearest;  // neighbours have borders in common
-        options.normal_tolerance_degrees = codec::fit_normal_tolerance_degrees(mesh, error.rms);
-        options.normal_bits = codec::fit_normal_bits(options.normal_tolerance_degrees);
+        codec::fit_normals(options, mesh, error.rms);
         Result<codec::Encoded> encoded = surface.is_bare ? encode_painted(mesh, options) : encode(mesh, error, options);
         if (!encoded) return encoded.error();
         std::vector<Tile>& tiles = branches_[index].tiles;

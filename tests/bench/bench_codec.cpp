@@ -265,12 +265,11 @@ class Bench {
         const Stopwatch watch;
         std::vector<Bytes> streams;
         mesh::Mesh decoded;
-        for (const mesh::Mesh& part : by_material(level))
-            streams.push_back(compressed_by_peer(part, mesh::bounds(level)));
+        const std::vector<mesh::Mesh> parts = by_material(level);
+        for (const mesh::Mesh& part : parts) streams.push_back(compressed_by_peer(part, mesh::bounds(level)));
         form.encode_ms = watch.elapsed().cpu_ms;
         std::vector<std::span<const std::byte>> spans;
         std::size_t part = 0;
-        const std::vector<mesh::Mesh> parts = by_material(level);
         for (const Bytes& stream : streams) {
             form.bytes += stream.size();
             spans.emplace_back(stream);
@@ -302,11 +301,11 @@ class Bench {
 
 std::vector<std::string> default_models(const std::string& data) {
     std::vector<std::string> specs{"sample:teapot", "sample:terrain", "sample:ship"};
-    for (const char* name :
-         {"classic/bunny_69k.ply", "classic/armadillo_86k.obj", "classic/nefertiti_100k.obj", "classic/lucy_100k.ply",
-          "classic/buddha_100k.obj", "classic/fandisk.obj", "classic/rocker-arm.obj", "classic/spot_uv.obj",
-          "scan/turbineblade_199k.ply", "terrain/stubai_10m.ply", "gltf/Duck.glb"})
-        if (const fs::path file = fs::path(data) / name; fs::exists(file)) specs.push_back(file.string());
+    const std::vector<std::string> files = files_below(
+        data, {"classic/bunny_69k.ply", "classic/armadillo_86k.obj", "classic/nefertiti_100k.obj",
+               "classic/lucy_100k.ply", "classic/buddha_100k.obj", "classic/fandisk.obj", "classic/rocker-arm.obj",
+               "classic/spot_uv.obj", "scan/turbineblade_199k.ply", "terrain/stubai_10m.ply", "gltf/Duck.glb"});
+    specs.insert(specs.end(), files.begin(), files.end());
     return specs;
 }
 

@@ -96,11 +96,12 @@ class Bench {
 
 std::vector<std::string> default_models(const std::string& data) {
     std::vector<std::string> specs{"sample:teapot", "sample:terrain"};
-    for (const char* name : {"classic/bunny_69k.ply", "classic/armadillo_86k.obj", "classic/nefertiti_100k.obj",
-                             "classic/lucy_100k.ply", "classic/buddha_100k.obj", "classic/dragon_202k_res2.ply",
-                             "classic/fandisk.obj", "classic/rocker-arm.obj", "classic/homer.obj", "classic/cow.obj",
-                             "classic/beetle_39k.obj", "scan/turbineblade_199k.ply", "scan/eros_49k.ply"})
-        if (const fs::path file = fs::path(data) / name; fs::exists(file)) specs.push_back(file.string());
+    const std::vector<std::string> files =
+        files_below(data, {"classic/bunny_69k.ply", "classic/armadillo_86k.obj", "classic/nefertiti_100k.obj",
+                           "classic/lucy_100k.ply", "classic/buddha_100k.obj", "classic/dragon_202k_res2.ply",
+                           "classic/fandisk.obj", "classic/rocker-arm.obj", "classic/homer.obj", "classic/cow.obj",
+                           "classic/beetle_39k.obj", "scan/turbineblade_199k.ply", "scan/eros_49k.ply"});
+    specs.insert(specs.end(), files.begin(), files.end());
     return specs;
 }
 

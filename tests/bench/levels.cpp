@@ -1,5 +1,6 @@
 #include "tests/bench/levels.h"
 
+#include <filesystem>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -9,6 +10,14 @@
 #include "server/samples/samples.h"
 
 namespace lodestream::bench {
+
+std::vector<std::string> files_below(const std::string& folder, std::initializer_list<const char*> names) {
+    std::vector<std::string> files;
+    for (const char* name : names)
+        if (const auto file = std::filesystem::path(folder) / name; std::filesystem::exists(file))
+            files.push_back(file.string());
+    return files;
+}
 
 mesh::Model load_model(const std::string& spec) {
     constexpr std::string_view sample = "sample:";
