@@ -77,6 +77,7 @@ Level read_level(const Fields& fields) {
     fields.read("rms_error", level.rms_error);
     fields.read("max_error", level.max_error);
     fields.read("rms_error_percent", level.rms_error_percent);
+    fields.read("normal_error_degrees", level.normal_error_degrees);
     fields.read("bytes", level.bytes);
     fields.read("texture_bytes", level.texture_bytes);
     fields.read("encode_ms", level.encode_ms);
@@ -189,6 +190,7 @@ Result<PlanResponse> parse_plan_response(std::string_view json) {
             level->read("rms_error", response.level.rms_error);
             level->read("max_error", response.level.max_error);
             level->read("rms_error_percent", response.level.rms_error_percent);
+            level->read("normal_error_degrees", response.level.normal_error_degrees);
             level->read("screen_space_error_px", response.level.screen_space_error_px);
             if (const auto outside = level->object("outside")) {
                 OutsideError& error = response.level.outside.emplace();

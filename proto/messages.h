@@ -28,9 +28,10 @@ enum class Primitives { triangles, points, any };
 struct Level {
     std::uint64_t triangles = 0;
     std::uint64_t vertices = 0;
-    double rms_error = 0.0;          // model units, two-sided, measured
-    double max_error = 0.0;          // model units
-    double rms_error_percent = 0.0;  // of the bounding box's diagonal
+    double rms_error = 0.0;             // model units, two-sided, measured
+    double max_error = 0.0;             // model units
+    double rms_error_percent = 0.0;     // of the bounding box's diagonal
+    double normal_error_degrees = 0.0;  // of its shading normals, RMS over its area
     std::uint64_t bytes = 0;
     std::uint64_t texture_bytes = 0;  // of these, the images'
     double encode_ms = 0.0;
@@ -109,6 +110,7 @@ struct PlanResponse {
         double rms_error = 0.0;
         double max_error = 0.0;
         double rms_error_percent = 0.0;
+        double normal_error_degrees = 0.0;
         std::optional<OutsideError> outside;  // of a scene's levels for an eye outside of it
         double screen_space_error_px = 0.0;   // max_error, of `outside` where it is there, at the nearest point of the
                                               // bounding sphere

@@ -11,7 +11,7 @@ struct LevelRow {
     Cell level, device;  // one of the two is empty
     Cell cut_ms;         // empty for rungs, which are cut in the bake
     std::uint64_t triangles = 0, vertices = 0, bytes = 0;
-    double rms_error = 0.0, max_error = 0.0, rms_error_percent = 0.0, encode_ms = 0.0;
+    double rms_error = 0.0, max_error = 0.0, rms_error_percent = 0.0, normal_error_degrees = 0.0, encode_ms = 0.0;
 };
 
 LevelRow rung_row(const AssetResult& asset, const LadderLevel& rung) {
@@ -26,6 +26,7 @@ LevelRow rung_row(const AssetResult& asset, const LadderLevel& rung) {
             level.rms_error,
             level.max_error,
             level.rms_error_percent,
+            level.normal_error_degrees,
             level.encode_ms};
 }
 
@@ -42,6 +43,7 @@ LevelRow cut_row(const AssetResult& asset, const DeviceResult& device) {
             level.rms_error,
             level.max_error,
             level.rms_error_percent,
+            level.normal_error_degrees,
             timing.encode};
 }
 
@@ -121,20 +123,22 @@ Section simplification_section(const ReportData& data) {
     section.text_html += "</ul>";
     section.plots = {error_over_triangles(data), error_over_encode_time(data), error_over_cut_time(data)};
     section.rows = table_of<LevelRow>(
-        level_rows(data), {{"asset", "model", [](const auto& r) { return r.asset->asset.name; }},
-                           {"level", "level", [](const auto& r) { return r.level; }},
-                           {"device", "cut for", [](const auto& r) { return r.device; }},
-                           {"triangles", "triangles", [](const auto& r) { return r.triangles; }},
-                           {"vertices", "vertices", [](const auto& r) { return r.vertices; }},
-                           {"rms_error", "", [](const auto& r) { return r.rms_error; }},
-                           {"max_error", "", [](const auto& r) { return r.max_error; }},
-                           {"rms_error_percent", "RMS error %", [](const auto& r) { return r.rms_error_percent; }},
-                           {"max_error_percent", "max error %",
-                            [](const auto& r) { return share_percent(r.max_error, r.asset->diagonal); }},
-                           {"bytes", "bytes", [](const auto& r) { return r.bytes; }},
-                           {"cut_ms", "cut ms", [](const auto& r) { return r.cut_ms; }},
-                           {"encode_ms", "encode ms", [](const auto& r) { return r.encode_ms; }},
-                           {"bake_ms", "", [](const auto& r) { return r.asset->asset.bake_ms; }}});
+        level_rows(data),
+        {{"asset", "model", [](const auto& r) { return r.asset->asset.name; }},
+         {"level", "level", [](const auto& r) { return r.level; }},
+         {"device", "cut for", [](const auto& r) { return r.device; }},
+         {"triangles", "triangles", [](const auto& r) { return r.triangles; }},
+         {"vertices", "vertices", [](const auto& r) { return r.vertices; }},
+         {"rms_error", "", [](const auto& r) { return r.rms_error; }},
+         {"max_error", "", [](const auto& r) { return r.max_error; }},
+         {"rms_error_percent", "RMS error %", [](const auto& r) { return r.rms_error_percent; }},
+         {"max_error_percent", "max error %",
+          [](const auto& r) { return share_percent(r.max_error, r.asset->diagonal); }},
+         {"normal_error_degrees", "normals off by, °", [](const auto& r) { return r.normal_error_degrees; }},
+         {"bytes", "bytes", [](const auto& r) { return r.bytes; }},
+         {"cut_ms", "cut ms", [](const auto& r) { return r.cut_ms; }},
+         {"encode_ms", "encode ms", [](const auto& r) { return r.encode_ms; }},
+         {"bake_ms", "", [](const auto& r) { return r.asset->asset.bake_ms; }}});
     return section;
 }
 

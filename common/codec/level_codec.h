@@ -33,13 +33,13 @@ inline constexpr int max_position_bits = 20;
 // How far rounding may move a level off its surface, RMS: this share of the error that the level has anyway, which
 // raises a picture's error by a few percent, and of its extent about what Draco's usual 14 bits cost.
 inline constexpr double off_surface_share_of_error = 0.35;
-inline constexpr double off_surface_share_of_extent = 0.36 / (1 << 14);
+inline constexpr double off_surface_share_of_extent = 0.29 / (1 << 14);
 // And no step is larger than this share of the mean edge.
 inline constexpr double steps_per_edge = 8.0;
 
-// The grid around `bounds` with the fewest bits that keep `level`, which is `error` (RMS, model units) off the full
-// model, within these limits if it is rounded along its surface. Levels of one asset that are given the same `bounds`
-// differ in `bits` alone. pre: `bounds` holds the level
+// The grid from the corner of `bounds` on with about the largest step that keeps `level`, which is `error` (RMS, model
+// units) off the full model, within these limits if it is rounded along its surface. It may reach beyond `bounds`: the
+// codes that are left over cost nothing, half a bit of each coordinate would. pre: `bounds` holds the level
 QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double error);
 
 // For content that must meet other content, and so is rounded to the nearest point: the step always resolves 1/16 of
@@ -81,17 +81,16 @@ struct EncodeOptions {
     std::string extras_json;           // an object, put into the asset's `extras.lodestream`; empty: none
 };
 
-// In proportion to what normals are off anyway where a level is `error` off the full model, as far as that can be told
-// from the length of its edges.
-double fit_normal_tolerance_degrees(const mesh::Mesh& level, double error);
+// In proportion to what the level's normals are off anyway (metric::SurfaceError::normal_degrees), within limits.
+double fit_normal_tolerance_degrees(double normal_error_degrees);
 // Bits of a plain level's normals that keep a step below a quarter of the tolerance, 10 at most. pre: > 0
 int fit_normal_bits(double tolerance_degrees);
-inline constexpr double normal_tolerance_per_slope = 6.0;  // of the angle whose tangent is error over mean edge
+inline constexpr double normal_tolerance_share_of_error = 0.6;
 inline constexpr double least_normal_tolerance_degrees = 0.7;
 inline constexpr double largest_normal_tolerance_degrees = 8.0;
 
 // Sets both.
-void fit_normals(EncodeOptions& options, const mesh::Mesh& level, double error);
+void fit_normals(EncodeOptions& options, double normal_error_degrees);
 
 struct Encoded {
     std::vector<std::byte> glb;

@@ -34,6 +34,22 @@ bool positive(double x) {
     return std::isfinite(x) && x > 0.0;
 }
 
+// fit_grid(): the first step it tries, about what turns out to be right; a grid that uses this much of what it may; and
+// how often it tries.
+constexpr double first_step_of_allowed = 10.0, near_enough = 0.94;
+constexpr int most_fitting_turns = 8;
+
+// The same place in steps of this length, but no finer than it is. pre: step > 0
+QuantizationGrid with_step(const QuantizationGrid& finest, double step) {
+    const double steps = std::ceil(finest.range / step);
+    if (!(steps < std::ldexp(1.0, max_position_bits) - 1.0)) return finest;
+    QuantizationGrid grid = finest;
+    grid.bits = std::max(static_cast<int>(std::ceil(std::log2(steps + 1.0))), min_position_bits);
+    const double range = step * (std::ldexp(1.0, grid.bits) - 1.0);
+    if (range < max_range) grid.range = std::max(static_cast<float>(range), finest.range);
+    return grid;
+}
+
 // 0 where nothing is known to measure the step by.
 double wanted_step(double error, double mean_edge_length) {
     const double by_error = positive(error) ? error / (2.0 * std::sqrt(3.0)) : 0.0;
@@ -64,32 +80,31 @@ QuantizationGrid choose_grid(const Box& bounds, double error, double mean_edge_l
 }
 
 QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double error) {
-    QuantizationGrid grid = choose_grid(bounds, 0.0, 0.0);
+    const QuantizationGrid finest = choose_grid(bounds, 0.0, 0.0);
     const double allowed = std::hypot(off_surface_share_of_error * (positive(error) ? error : 0.0),
-                                      off_surface_share_of_extent * grid.range);
-    const double largest_step = mesh::mean_edge_length(level) / steps_per_edge;
+                                      off_surface_share_of_extent * finest.range);
+    // Rounding along a surface gains less than three bits on the nearest point, which is off by 0.29 steps.
+    double largest = std::min(30.0 * allowed, finest.range / (std::ldexp(1.0, min_position_bits) - 1.0));
+    if (const double edge = mesh::mean_edge_length(level); positive(edge))
+        largest = std::min(largest, edge / steps_per_edge);
     const SurfaceRounding surface(level.positions, level.triangles);
-    grid.bits = min_position_bits;
-    const auto is_coarse = [&] {
-        // Rounding along a surface gains less than three bits on the nearest point, which is off by 0.29 steps.
-        return (positive(largest_step) && grid.step() > largest_step) || grid.step() > 30.0 * allowed;
-    };
-    while (grid.bits < max_position_bits && is_coarse()) ++grid.bits;
-    while (grid.bits < max_position_bits) {
+    QuantizationGrid best = finest;
+    double step = std::min(largest, first_step_of_allowed * allowed);
+    for (int turn = 0; turn < most_fitting_turns && step > best.step(); ++turn) {
+        const QuantizationGrid grid = with_step(finest, step);
         const double off = surface.round(grid).off_surface_rms;
-        if (off <= allowed) break;
+        if (off <= allowed) best = grid;
+        if (off <= allowed && (off >= near_enough * allowed || step == largest)) break;
         // What is off falls about as the step does.
-        const double octaves = std::min(std::log2(off / allowed), double{max_position_bits});
-        grid.bits = std::min(grid.bits + std::max(1, static_cast<int>(octaves)), max_position_bits);
+        step = off > 0.0 ? std::min(step * (1.0 + near_enough) / 2.0 * allowed / off, largest) : largest;
     }
-    return grid;
+    return best;
 }
 
-double fit_normal_tolerance_degrees(const mesh::Mesh& level, double error) {
-    const double edge = mesh::mean_edge_length(level);
-    const double slope = positive(error) && positive(edge) ? std::atan(error / edge) : 0.0;
-    return std::clamp(normal_tolerance_per_slope * glm::degrees(slope), least_normal_tolerance_degrees,
-                      largest_normal_tolerance_degrees);
+double fit_normal_tolerance_degrees(double normal_error_degrees) {
+    const double share = normal_tolerance_share_of_error * normal_error_degrees;
+    return positive(share) ? std::clamp(share, least_normal_tolerance_degrees, largest_normal_tolerance_degrees)
+                           : least_normal_tolerance_degrees;
 }
 
 int fit_normal_bits(double tolerance_degrees) {
@@ -97,8 +112,8 @@ int fit_normal_bits(double tolerance_degrees) {
     return std::clamp(static_cast<int>(std::ceil(std::log2(4.0 * around / tolerance_degrees) - 1e-9)), 4, 10);
 }
 
-void fit_normals(EncodeOptions& options, const mesh::Mesh& level, double error) {
-    options.normal_tolerance_degrees = fit_normal_tolerance_degrees(level, error);
+void fit_normals(EncodeOptions& options, double normal_error_degrees) {
+    options.normal_tolerance_degrees = fit_normal_tolerance_degrees(normal_error_degrees);
     options.normal_bits = fit_normal_bits(options.normal_tolerance_degrees);
 }
 

@@ -23,31 +23,46 @@ double random_number(std::uint64_t k) {
     return static_cast<double>((k ^ (k >> 31)) >> 11) * 0x1p-53;
 }
 
-Vec3f point_on(const TriangleTree::Corners& t, double u, double v) {
-    if (u + v > 1) {
-        u = 1 - u;
-        v = 1 - v;
-    }
-    const Vec3d a(t[0]), b(t[1]), c(t[2]);
-    return Vec3f(a + u * (b - a) + v * (c - a));
-}
-
-// One sample in each of `count` strips of equal area, in the order of the triangles.
-void add_area_samples(const std::vector<TriangleTree::Corners>& triangles, std::size_t count,
-                      std::vector<Vec3f>& samples) {
+// One place in each of `count` strips of equal area, in the order of the triangles: which of them, and the weights of
+// its second and third corner. `corners(i)`: those of triangle i.
+template <class CornersOf, class Take>
+void sample_area(std::size_t triangles, const CornersOf& corners, std::size_t count, const Take& take) {
+    const auto area = [&](std::size_t i) {
+        const TriangleTree::Corners t = corners(i);
+        return mesh::face_area(t[0], t[1], t[2]);
+    };
     double total = 0;
-    for (const auto& t : triangles) total += mesh::face_area(t[0], t[1], t[2]);
+    for (std::size_t i = 0; i < triangles; ++i) total += area(i);
     if (!(total > 0)) return;
     const double strip = total / static_cast<double>(count);
     double covered = 0;
     std::size_t k = 0;
-    for (const auto& t : triangles) {
-        covered += mesh::face_area(t[0], t[1], t[2]);
+    for (std::size_t i = 0; i < triangles; ++i) {
+        covered += area(i);
         while (k < count && (static_cast<double>(k) + random_number(3 * k)) * strip < covered) {
-            samples.push_back(point_on(t, random_number(3 * k + 1), random_number(3 * k + 2)));
+            const double u = random_number(3 * k + 1), v = random_number(3 * k + 2);
+            if (u + v > 1)
+                take(i, 1 - u, 1 - v);
+            else
+                take(i, u, v);
             ++k;
         }
     }
+}
+
+Vec3d blend(const Vec3f& a, const Vec3f& b, const Vec3f& c, double u, double v) {
+    const Vec3d first(a);
+    return first + u * (Vec3d(b) - first) + v * (Vec3d(c) - first);
+}
+
+void add_area_samples(const std::vector<TriangleTree::Corners>& triangles, std::size_t count,
+                      std::vector<Vec3f>& samples) {
+    sample_area(
+        triangles.size(), [&](std::size_t i) { return triangles[i]; }, count,
+        [&](std::size_t i, double u, double v) {
+            const TriangleTree::Corners& t = triangles[i];
+            samples.emplace_back(blend(t[0], t[1], t[2], u, v));
+        });
 }
 
 // Every corner of the triangles once or, of more than `limit`, an even choice; in the order of the triangles.
@@ -77,6 +92,18 @@ std::vector<Vec3f> used_positions(const mesh::Mesh& mesh) {
 }
 
 }  // namespace
+
+void NormalError::add(const Vec3d& a, const Vec3d& b) {
+    const double cosine = dot(a, b);
+    if (!(cosine > 0.0)) return;
+    const double angle = std::atan2(length(cross(a, b)), cosine);
+    squares_ += angle * angle;
+    ++count_;
+}
+
+double NormalError::degrees() const {
+    return count_ > 0.0 ? glm::degrees(std::sqrt(squares_ / count_)) : 0.0;
+}
 
 struct SurfaceIndex::Impl {
     Impl(const mesh::Mesh& mesh, std::size_t samples_asked) : tree(mesh), asked(samples_asked) {
@@ -141,17 +168,41 @@ SurfaceError one_sided(const std::vector<Vec3f>& samples, std::size_t vertices, 
     return error;
 }
 
+double normal_error_degrees(const TriangleTree& tree, const mesh::Mesh& original, const mesh::Mesh& level,
+                            std::size_t samples) {
+    if (original.normals.empty() || level.normals.empty()) return 0.0;
+    NormalError error;
+    const auto compare = [&](std::size_t i, double u, double v) {
+        const mesh::Triangle& t = level.triangles[i];
+        const auto& p = level.positions;
+        const auto& n = level.normals;
+        const SurfacePlace place = nearest_place(tree, original, blend(p[t[0]], p[t[1]], p[t[2]], u, v));
+        const auto& there = original.normals;
+        const auto [a, b, c] = place.triangle;
+        error.add(blend(n[t[0]], n[t[1]], n[t[2]], u, v),
+                  blend(there[a], there[b], there[c], place.weights.y, place.weights.z));
+    };
+    const auto corners = [&](std::size_t i) {
+        const mesh::Triangle& t = level.triangles[i];
+        return TriangleTree::Corners{level.positions[t[0]], level.positions[t[1]], level.positions[t[2]]};
+    };
+    sample_area(level.triangles.size(), corners, samples, compare);
+    return error.degrees();
+}
+
 }  // namespace
 
 SurfaceError measure(const SurfaceIndex& original, const mesh::Mesh& original_mesh, const mesh::Mesh& level) {
     if (original_mesh.triangles.empty() || level.triangles.empty()) {
         const double diagonal = std::max(mesh::bounds(original_mesh).diagonal(), mesh::bounds(level).diagonal());
-        return {diagonal, diagonal};
+        return {diagonal, diagonal, 0.0};
     }
     const SurfaceIndex level_index(level, original.impl_->asked);
     const SurfaceError out = one_sided(original.impl_->samples, original.impl_->vertices, level_index);
     const SurfaceError back = one_sided(level_index.impl_->samples, level_index.impl_->vertices, original);
-    return {std::max(out.rms, back.rms), std::max(out.max, back.max)};
+    return {
+        std::max(out.rms, back.rms), std::max(out.max, back.max),
+        normal_error_degrees(original.impl_->tree, original_mesh, level, original.impl_->asked / samples_per_normal)};
 }
 
 }  // namespace lodestream::metric

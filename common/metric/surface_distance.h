@@ -14,9 +14,23 @@ namespace lodestream::metric {
 struct SurfaceError {
     double rms = 0.0;  // model units; the larger of both sides
     double max = 0.0;  // model units; the larger of both sides
+    // What the second's shading normals are off those at the nearest places of the first, RMS over its area; places
+    // that face apart are two sides of a thin part and do not count. 0 where either has no normals.
+    double normal_degrees = 0.0;
+};
+
+// The angle between two normals, RMS over the pairs given to it. Normals that face apart do not count, nor do zeros.
+class NormalError {
+  public:
+    void add(const Vec3d& a, const Vec3d& b);  // of any lengths
+    double degrees() const;                    // 0 without pairs
+
+  private:
+    double squares_ = 0.0, count_ = 0.0;
 };
 
 inline constexpr std::size_t default_samples = 100'000;  // on each side, beside a subset of the vertices
+inline constexpr std::size_t samples_per_normal = 16;    // normals are compared at one of so many
 
 // Answers nearest-point queries on a mesh's triangles. Immutable once built; queries may run from any thread.
 class SurfaceIndex {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <queue>
 #include <utility>
@@ -320,7 +321,7 @@ struct Mean {
         squares += w * distance * distance;
         weight += w;
     }
-    metric::SurfaceError error() const { return {weight > 0.0 ? std::sqrt(squares / weight) : max, max}; }
+    metric::SurfaceError error() const { return {weight > 0.0 ? std::sqrt(squares / weight) : max, max, 0.0}; }
 };
 
 // From points spread evenly over the source, and from its vertices for the maximum.
@@ -345,6 +346,16 @@ metric::SurfaceError error_to(const mesh::Mesh& mesh, const mesh::Mesh& level) {
     for (std::size_t v = 0; v < mesh.positions.size(); v += stride)
         mean.max = std::max(mean.max, index.distance(Vec3d(mesh.positions[v])));
     return mean.error();
+}
+
+// `vertex_of`: of each vertex of the source the one of the level that stands for it, if any does.
+double normal_error_degrees(const mesh::Mesh& mesh, const mesh::Mesh& level,
+                            const std::function<std::uint32_t(std::size_t)>& vertex_of) {
+    metric::NormalError error;
+    for (std::size_t v = 0; v < mesh.normals.size(); ++v)
+        if (const std::uint32_t there = vertex_of(v); there != none)
+            error.add(Vec3d(mesh.normals[v]), Vec3d(level.normals[there]));
+    return error.degrees();
 }
 
 // The triangles of the source with a corner in each cell.
@@ -423,7 +434,10 @@ Preview clustered(const mesh::Mesh& mesh, const std::vector<std::uint32_t>& weld
     }
     const metric::SurfaceError out = error_to(mesh, level),
                                back = error_from(level, kept, mesh, cell_of, cells.all.size());
-    return {mesh::compact(level), {std::max(out.rms, back.rms), std::max(out.max, back.max)}};
+    const auto wedge_number_of = [&](std::size_t v) { return wedge_numbers[grouping.wedge_of[v]]; };
+    return {
+        mesh::compact(level),
+        {std::max(out.rms, back.rms), std::max(out.max, back.max), normal_error_degrees(mesh, level, wedge_number_of)}};
 }
 
 Preview largest_triangles(const mesh::Mesh& mesh, std::uint64_t count) {

@@ -321,7 +321,7 @@ bool is_empty(const mesh::Model& model) {
 codec::EncodeOptions level_options(const Box& grid_bounds, const mesh::Mesh& level, const metric::SurfaceError& error) {
     codec::EncodeOptions options;
     options.grid = codec::fit_grid(grid_bounds, level, error.rms);
-    codec::fit_normals(options, level, error.rms);
+    codec::fit_normals(options, error.normal_degrees);
     return options;
 }
 
@@ -341,6 +341,7 @@ proto::Level described_level(const codec::Encoded& encoded, const metric::Surfac
     level.vertices = encoded.vertices;
     level.rms_error = error.rms;
     level.max_error = error.max;
+    level.normal_error_degrees = error.normal_degrees;
     level.rms_error_percent = percent_of_diagonal(error.rms, bounds);
     level.bytes = encoded.glb.size();
     level.texture_bytes = encoded.texture_bytes;

@@ -1,5 +1,6 @@
 // The stored form of a baked model, little-endian:
-//   magic "LODBAKE2", then the fields below in order, as stored_form.h says. The history's are arrays.
+//   magic "LODBAKE3", then the fields below in order, as stored_form.h says. The history's are arrays.
+//   "LODBAKE2" is the same but for older errors, and still read.
 #include "server/bake/baked_model.h"
 
 #include <algorithm>
@@ -12,9 +13,10 @@ namespace lodestream::bake {
 
 namespace {
 
-constexpr std::string_view magic = "LODBAKE2";
-template <class Stream, class Baked>
-void describe_all(Stream& stream, Baked& baked) {
+constexpr std::string_view magic = "LODBAKE3", older_magic = "LODBAKE2";
+
+template <class Stream, class Baked, class Errors>
+void describe_all(Stream& stream, Baked& baked, const Errors& describe_errors) {
     auto& model = baked.model;
     stream(model.materials);
     stream(model.images);
@@ -25,7 +27,7 @@ void describe_all(Stream& stream, Baked& baked) {
     stream(baked.grid_bounds);
     stream(baked.image_uses);
     stream(baked.texel_sizes);
-    stream(baked.errors);
+    describe_errors(stream, baked.errors);
     auto& history = baked.history;
     stream.array(history.steps);
     stream.array(history.positions);
@@ -78,7 +80,8 @@ Status validate_errors(const std::vector<ErrorSample>& errors) {
     if (errors.empty()) return damaged("it has no measured error");
     for (std::size_t i = 0; i < errors.size(); ++i) {
         const ErrorSample& sample = errors[i];
-        if (!std::isfinite(sample.error.rms) || !std::isfinite(sample.error.max) || sample.error.rms < 0)
+        const auto& [rms, max, normal_degrees] = sample.error;
+        if (!std::isfinite(rms) || !std::isfinite(max) || !std::isfinite(normal_degrees) || rms < 0)
             return damaged("an error is no number");
         if (i > 0 && sample.triangles >= errors[i - 1].triangles) return damaged("its errors are not in order");
     }
@@ -119,15 +122,18 @@ std::vector<ErrorSample> in_order(std::vector<ErrorSample> samples) {
 std::vector<std::byte> serialize(const BakedModel& baked) {
     Writer writer;
     writer.magic(magic);
-    describe_all(writer, baked);
+    describe_all(writer, baked, [](Writer& stream, const auto& errors) { stream(errors); });
     return std::move(writer.bytes);
 }
 
 Result<BakedView> open_baked_model(std::span<const std::byte> bytes) {
+    const bool is_older = Reader(bytes).magic(older_magic);
     Reader reader(bytes);
-    if (!reader.magic(magic)) return damaged("it does not start with LODBAKE2");
+    if (!reader.magic(magic) && !is_older) return damaged("it does not start with LODBAKE3");
     BakedView baked;
-    describe_all(reader, baked);
+    describe_all(reader, baked, [&](Reader& stream, std::vector<ErrorSample>& errors) {
+        is_older ? read_older_errors(stream, errors) : stream(errors);
+    });
     if (!reader.ok()) return damaged("it ends too early");
     if (!reader.at_end()) return damaged("bytes follow its end");
     if (Status valid = validate(baked); !valid) return valid.error();
@@ -139,7 +145,14 @@ metric::SurfaceError error_of(std::span<const ErrorSample> errors, std::uint64_t
     const auto coarser = std::lower_bound(errors.begin(), errors.end(), triangles,
                                           [](const ErrorSample& s, std::uint64_t n) { return s.triangles > n; });
     if (coarser == errors.end()) return errors.back().error;
-    return coarser->error;
+    metric::SurfaceError error = coarser->error;
+    if (coarser != errors.begin() && coarser->triangles > 0) {
+        const ErrorSample& finer = *std::prev(coarser);
+        const auto octaves = [&](std::uint64_t n) { return std::log2(double(n) / double(coarser->triangles)); };
+        error.normal_degrees =
+            std::lerp(error.normal_degrees, finer.error.normal_degrees, octaves(triangles) / octaves(finer.triangles));
+    }
+    return error;
 }
 
 }  // namespace lodestream::bake

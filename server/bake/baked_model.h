@@ -51,7 +51,8 @@ Result<BakedView> open_baked_model(std::span<const std::byte> bytes);
 
 // The error of the level of this many triangles: that of the nearest measured level that is not finer. An error may
 // jump anywhere between two measured levels (spikes on a plane, pieces of two sizes), so nothing between them is
-// promised. pre: errors is not empty
+// promised, but for the normals' error: it promises nothing, and is between those of the levels around.
+// pre: errors is not empty
 metric::SurfaceError error_of(std::span<const ErrorSample> errors, std::uint64_t triangles);
 
 }  // namespace lodestream::bake

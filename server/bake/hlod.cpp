@@ -262,7 +262,7 @@ class TileMaker {
         codec::EncodeOptions options;
         options.grid = grid;
         options.rounding = codec::Rounding::nearest;  // neighbours have borders in common
-        codec::fit_normals(options, mesh, error.rms);
+        codec::fit_normals(options, error.normal_degrees);
         Result<codec::Encoded> encoded = surface.is_bare ? encode_painted(mesh, options) : encode(mesh, error, options);
         if (!encoded) return encoded.error();
         std::vector<Tile>& tiles = branches_[index].tiles;

@@ -1,5 +1,5 @@
-// The stored form of a shell: magic "LODSHEL1", its errors, the triangles that colour it, and a baked model as an array
-// of bytes; as stored_form.h says.
+// The stored form of a shell: magic "LODSHEL2" (or "LODSHEL1", with older errors), its errors, the triangles that
+// colour it, and a baked model as an array of bytes; as stored_form.h says.
 #include "server/bake/shells.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace lodestream::bake {
 
 namespace {
 
-constexpr std::string_view magic = "LODSHEL1";
+constexpr std::string_view magic = "LODSHEL2", older_magic = "LODSHEL1";
 // Shares of its progress.
 constexpr double recorded_share = 0.2;
 constexpr double chosen_share = 0.6;
@@ -255,11 +255,12 @@ std::vector<std::byte> serialize(const Shell& shell) {
 
 Result<ShellView> open_shell(std::span<const std::byte> bytes) {
     const auto damaged = [](const std::string& what) { return invalid_input("a stored shell is damaged: " + what); };
+    const bool is_older = Reader(bytes).magic(older_magic);
     Reader reader(bytes);
-    if (!reader.magic(magic)) return damaged("it does not start with LODSHEL1");
+    if (!reader.magic(magic) && !is_older) return damaged("it does not start with LODSHEL2");
     ShellView shell;
     std::span<const std::byte> baked_bytes;
-    reader(shell.seen_errors);
+    is_older ? read_older_errors(reader, shell.seen_errors) : reader(shell.seen_errors);
     reader(shell.colored_by);
     reader.array(baked_bytes);
     if (!reader.ok() || !reader.at_end()) return damaged("it ends too early or too late");

@@ -15,6 +15,7 @@
 
 #include "common/mesh/mesh.h"
 #include "common/texture/use.h"
+#include "server/bake/baked_model.h"
 
 namespace lodestream::bake {
 
@@ -132,6 +133,17 @@ class Reader {
     std::span<const std::byte> rest_;
     bool ok_ = true;
 };
+
+// Errors as they were stored before those of normals were measured.
+inline void read_older_errors(Reader& reader, std::vector<ErrorSample>& errors) {
+    struct Older {
+        std::uint64_t triangles;
+        double rms, max;
+    };
+    std::vector<Older> older;
+    reader(older);
+    for (const Older& sample : older) errors.push_back({sample.triangles, {sample.rms, sample.max}});
+}
 
 // One description of each type serves reading and writing.
 template <class Stream, class Material>

@@ -120,6 +120,7 @@ void fill_first_level(proto::PlanResponse& response, const proto::Level& level, 
     response.level.vertices = level.vertices;
     response.level.rms_error = level.rms_error;
     response.level.max_error = level.max_error;
+    response.level.normal_error_degrees = level.normal_error_degrees;
     response.level.rms_error_percent = level.rms_error_percent;
     response.shading.gouraud = level.triangles;
     response.shading.operations = budget::with_shading(0, level.triangles, 0);
@@ -146,15 +147,15 @@ bool is_inside(const Vec3d& eye, const Box& box) {
 // What the level is off from what its viewer can see of the asset.
 metric::SurfaceError seen_error(const proto::PlanResponse& response) {
     const auto& level = response.level;
-    if (level.outside) return {level.outside->rms_error, level.outside->max_error};
-    return {level.rms_error, level.max_error};
+    if (level.outside) return {level.outside->rms_error, level.outside->max_error, level.normal_error_degrees};
+    return {level.rms_error, level.max_error, level.normal_error_degrees};
 }
 
 // Names everything that the encoded bytes depend on, the form of lean shading and the order of triangles by its first
 // word: what an older server stored is made anew. The view matters only where triangles are chosen by it.
 std::string content_key(const LevelRequest& level, const Vec3d& center) {
     const SplitRequest& split = level.split;
-    std::string key = "level/gain/" + std::to_string(level.triangles) + "/" + proto::shading_mode_name(split.mode);
+    std::string key = "level/gain-2/" + std::to_string(level.triangles) + "/" + proto::shading_mode_name(split.mode);
     if (level.shell) key += "/outside";
     if (level.profile == proto::Profile::lean) key += "/lean";
     if (!level.textures.key.empty()) key += "/images" + level.textures.key;
@@ -236,6 +237,7 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
     response.level.triangles = level.triangles.size();
     response.level.rms_error = error.rms;
     response.level.max_error = error.max;
+    response.level.normal_error_degrees = error.normal_degrees;
     response.level.rms_error_percent = bake::percent_of_diagonal(error.rms, baked.bounds);
     if (shell) {
         const metric::SurfaceError seen = bake::error_of(shell->seen_errors, level.triangles.size());

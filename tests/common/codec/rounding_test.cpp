@@ -125,16 +125,45 @@ TEST(SurfaceRounding, DegenerateAndExtremeInputStaysFinite) {
 
 TEST(FitGrid, KeepsRoundingBelowItsShareOfTheErrorAndTheExtent) {
     const mesh::Mesh sphere = testing::sphere(32);
+    double last_step = 0.0;
     int last_bits = max_position_bits + 1;
     for (const double error : {0.0, 1e-4, 1e-3, 1e-2, 0.1}) {
         const QuantizationGrid grid = fit_grid(mesh::bounds(sphere), sphere, error);
         const double off = SurfaceRounding(sphere.positions, sphere.triangles).round(grid).off_surface_rms;
         EXPECT_LE(off, std::hypot(off_surface_share_of_error * error, off_surface_share_of_extent * grid.range));
+        EXPECT_GE(grid.step(), last_step);
+        last_step = grid.step();
         EXPECT_LE(grid.bits, last_bits);
         EXPECT_LE(grid.step(), mesh::mean_edge_length(sphere) / steps_per_edge);
         last_bits = grid.bits;
     }
     EXPECT_LT(last_bits, 10);
+}
+
+TEST(FitGrid, UsesWhatItMayBecauseStepsNeedNotHalve) {
+    const mesh::Mesh sphere = testing::sphere(64);
+    const Box bounds = mesh::bounds(sphere);
+    for (const double error : {2e-4, 2.5e-4, 3e-4, 3.5e-4, 4e-4}) {
+        const QuantizationGrid grid = fit_grid(bounds, sphere, error);
+        const double allowed =
+            std::hypot(off_surface_share_of_error * error, off_surface_share_of_extent * bounds.extent().x);
+        const double off = SurfaceRounding(sphere.positions, sphere.triangles).round(grid).off_surface_rms;
+        EXPECT_GT(off, 0.85 * allowed) << error;
+        EXPECT_LE(off, allowed) << error;
+        EXPECT_GE(grid.origin.x + grid.range, bounds.max.x);
+        EXPECT_LT(grid.range, 2.1f * bounds.extent().x);
+    }
+}
+
+TEST(FitGrid, HoldsItsLevelNearTheLargestFloats) {
+    mesh::Mesh sphere = testing::sphere(8);
+    for (Vec3f& p : sphere.positions) p = 1.6e38f * p;
+    for (const double error : {0.0, 1e36, 1e38}) {
+        const Box bounds = mesh::bounds(sphere);
+        const QuantizationGrid grid = fit_grid(bounds, sphere, error);
+        EXPECT_TRUE(std::isfinite(grid.range));
+        EXPECT_GE(double(grid.origin.x) + double(grid.range), bounds.max.x);
+    }
 }
 
 TEST(FitGrid, AnswersForAnyLevel) {
@@ -148,7 +177,7 @@ TEST(FitGrid, AnswersForAnyLevel) {
             EXPECT_GE(grid.bits, min_position_bits);
             EXPECT_LE(grid.bits, max_position_bits);
             EXPECT_GT(grid.range, 0.0f);
-            const double tolerance = fit_normal_tolerance_degrees(mesh, error);
+            const double tolerance = fit_normal_tolerance_degrees(error);
             EXPECT_GE(tolerance, least_normal_tolerance_degrees);
             EXPECT_LE(tolerance, largest_normal_tolerance_degrees);
         }

@@ -247,5 +247,29 @@ TEST(Measure, GivesTheSameAnswerAgain) {
     EXPECT_EQ(first.max, second.max);
 }
 
+// Normals of a plane, all tilted by so many degrees.
+Mesh tilted(Mesh m, double degrees) {
+    const double angle = glm::radians(degrees);
+    m.normals.assign(m.positions.size(), Vec3f(Vec3d(std::sin(angle), std::cos(angle), 0.0)));
+    return m;
+}
+
+TEST(SurfaceDistance, TellsWhatNormalsAreOff) {
+    const Mesh upright = tilted(flat_grid(8), 0.0);
+    EXPECT_NEAR(between(upright, upright).normal_degrees, 0.0, 1e-3);
+    EXPECT_NEAR(between(upright, tilted(flat_grid(3), 10.0)).normal_degrees, 10.0, 1e-3);
+    EXPECT_NEAR(between(upright, moved(tilted(flat_grid(3), 40.0), {0, 7, 0})).normal_degrees, 40.0, 1e-3);
+}
+
+TEST(SurfaceDistance, NormalsThatFaceApartOrAreMissingDoNotCount) {
+    const Mesh upright = tilted(flat_grid(8), 0.0);
+    EXPECT_EQ(between(upright, tilted(flat_grid(3), 120.0)).normal_degrees, 0.0);
+    EXPECT_EQ(between(upright, flat_grid(3)).normal_degrees, 0.0);
+    EXPECT_EQ(between(flat_grid(3), upright).normal_degrees, 0.0);
+    Mesh zero = upright;
+    zero.normals.assign(zero.positions.size(), Vec3f(0.0f));
+    EXPECT_EQ(between(upright, zero).normal_degrees, 0.0);
+}
+
 }  // namespace
 }  // namespace lodestream::metric

@@ -32,7 +32,7 @@ BakedModel small_baked() {
     model.origin = {1e7, 2, 3};
     BakedModel baked = describe_model(model);
     set_history(baked, *simplify::record_history(std::move(model.mesh)));
-    baked.errors = {{60, {0.0, 0.0}}, {30, {0.1, 0.2}}};
+    baked.errors = {{60, {0.0, 0.0, 0.0}}, {30, {0.1, 0.2, 3.0}}};
     return baked;
 }
 
@@ -50,12 +50,45 @@ TEST(BakedModel, ComesBackAsItWent) {
     EXPECT_EQ(back->model.materials[0].name, "clay");
     EXPECT_EQ(back->grid_bounds.max, baked.grid_bounds.max);
     EXPECT_EQ(back->errors[1].error.max, 0.2);
+    EXPECT_EQ(back->errors[1].error.normal_degrees, 3.0);
     for (const std::uint64_t n : {1u, 17u, 60u}) {
         const mesh::Mesh before = simplify::cut(baked.history, n), after = simplify::cut(back->history, n);
         EXPECT_EQ(after.triangles, before.triangles);
         EXPECT_EQ(after.positions, before.positions);
         EXPECT_EQ(after.normals, before.normals);
     }
+}
+
+// As servers stored it before normals were measured.
+std::vector<std::byte> as_older(const BakedModel& baked, std::vector<std::byte> bytes) {
+    bytes[7] = std::byte{'2'};
+    std::vector<std::byte> errors, older_errors;
+    const auto add = [](std::vector<std::byte>& to, const auto& value) {
+        const auto* data = reinterpret_cast<const std::byte*>(&value);
+        to.insert(to.end(), data, data + sizeof value);
+    };
+    for (const ErrorSample& sample : baked.errors) {
+        add(errors, sample);
+        add(older_errors, sample.triangles);
+        add(older_errors, sample.error.rms);
+        add(older_errors, sample.error.max);
+    }
+    const auto begin = std::search(bytes.begin(), bytes.end(), errors.begin(), errors.end());
+    const auto after = bytes.erase(begin, begin + static_cast<std::ptrdiff_t>(errors.size()));
+    bytes.insert(after, older_errors.begin(), older_errors.end());
+    return bytes;
+}
+
+TEST(BakedModel, ReadsWhatAnOlderServerStored) {
+    const BakedModel baked = small_baked();
+    // Two errors of eight bytes less each: what follows stays at multiples of eight.
+    const std::vector<std::byte> bytes = as_older(baked, serialize(baked));
+    const Result<BakedView> back = open_baked_model(bytes);
+    ASSERT_TRUE(back.ok()) << back.error().message;
+    EXPECT_EQ(back->errors[1].triangles, 30u);
+    EXPECT_EQ(back->errors[1].error.max, 0.2);
+    EXPECT_EQ(back->errors[1].error.normal_degrees, 0.0);
+    EXPECT_EQ(simplify::cut(back->history, 17).triangles, simplify::cut(baked.history, 17).triangles);
 }
 
 TEST(BakedModel, RefusesEveryTruncation) {
@@ -96,6 +129,16 @@ TEST(ErrorOf, IsTheCoarserOnesBetweenWhatWasMeasuredAndNeverFalls) {
         before = error_of(errors, n).rms;
     }
     EXPECT_EQ(error_of(errors, 0).max, 9.0);
+}
+
+TEST(ErrorOf, NormalsAreBetweenThoseOfTheLevelsAround) {
+    const std::vector<ErrorSample> errors{{100, {0, 0, 0}}, {25, {2, 5, 8}}, {1, {5, 9, 0}}};
+    EXPECT_EQ(error_of(errors, 200).normal_degrees, 0.0);
+    EXPECT_EQ(error_of(errors, 100).normal_degrees, 0.0);
+    EXPECT_NEAR(error_of(errors, 50).normal_degrees, 4.0, 1e-9);
+    EXPECT_EQ(error_of(errors, 25).normal_degrees, 8.0);
+    EXPECT_NEAR(error_of(errors, 5).normal_degrees, 4.0, 1e-9);
+    EXPECT_EQ(error_of(errors, 0).normal_degrees, 0.0);
 }
 
 TEST_F(BakeTest, LadderHalvesDownToItsFloorAndErrorsGrow) {
