@@ -12,7 +12,7 @@
 #include "client/report/frame_rate.h"
 #include "common/budget/budget.h"
 #include "proto/messages.h"
-#include "proto/method_run.h"
+#include "proto/benchmark_runs.h"
 
 namespace lodestream::report {
 
@@ -170,6 +170,7 @@ struct ReportData {
     Provenance provenance;
     std::vector<AssetResult> assets;
     std::optional<proto::MethodRun> methods;  // where the report was given one
+    std::optional<proto::CodecRun> codecs;    // likewise
     std::optional<FrameRateResult> frame_rate;
     std::vector<std::string> problems;  // what is missing and why, one line each
 };

@@ -67,7 +67,7 @@ std::string plots_html(const std::vector<Plot>& plots) {
 std::string section_html(const Section& section, const std::string& source) {
     std::string out = "<section id=\"" + section.key + "\"><h2>" + section.title + "</h2>\n<div class=\"text\">" +
                       section.text_html + "</div>\n" + plots_html(section.plots);
-    if (!section.folded_plots.empty()) out += folded("The other devices", plots_html(section.folded_plots));
+    if (!section.folded_plots.empty()) out += folded("More of these plots", plots_html(section.folded_plots));
     return out + table_html(section.shown.value_or(section.rows), source) + "</section>\n";
 }
 

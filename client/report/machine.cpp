@@ -46,6 +46,16 @@ Provenance provenance_of(std::string command) {
     return from;
 }
 
+Provenance provenance_of(const proto::RunOrigin& origin) {
+    Provenance from;
+    from.command = origin.command;
+    from.commit = origin.commit;
+    from.date = origin.date;
+    from.cpu = origin.cpu;
+    from.cores = origin.cores;
+    return from;
+}
+
 std::string source_line(const Provenance& from) {
     return "<code>" + escape_html(from.command) + "</code> · commit " + escape_html(from.commit) + " · " +
            escape_html(machine_text(from)) + " · " + escape_html(from.date);

@@ -13,7 +13,7 @@
 #include "client/report/document.h"
 #include "client/report/gather.h"
 #include "client/report/machine.h"
-#include "client/report/methods.h"
+#include "client/report/benchmarks.h"
 #include "client/report/sections.h"
 #include "client/report/server_process.h"
 #include "client/report/text.h"
@@ -127,6 +127,12 @@ Status run(const ReportOptions& options) {
         if (!read) return read.error();
         methods = *std::move(read);
     }
+    std::optional<proto::CodecRun> codecs;
+    if (options.codecs) {
+        Result<proto::CodecRun> read = read_codecs(*options.codecs);
+        if (!read) return read.error();
+        codecs = *std::move(read);
+    }
     const Interrupts interrupts;
     std::optional<ServerProcess> server;
     if (options.server_url.empty()) {
@@ -137,6 +143,7 @@ Status run(const ReportOptions& options) {
     Result<ReportData> data = measure(options, server ? server->url() : options.server_url);
     if (!data) return data.error();
     data->methods = std::move(methods);
+    data->codecs = std::move(codecs);
 
     const std::string json = json_document(*data);
     if (Status written = write_text(options.out / "report.html", html_document(*data)); !written) return written;

@@ -50,16 +50,6 @@ Plot error_over_time(const std::vector<MethodLevel>& levels, long percent, Value
     return plot;
 }
 
-Provenance provenance_of(const proto::MethodRun& run) {
-    Provenance from;
-    from.command = run.command;
-    from.commit = run.commit;
-    from.date = run.date;
-    from.cpu = run.cpu;
-    from.cores = run.cores;
-    return from;
-}
-
 Cell cell_of(const std::optional<double>& value) {
     return value ? Cell(*value) : Cell();
 }
@@ -75,7 +65,7 @@ Section methods_section(const proto::MethodRun& run) {
         "<em>ours</em> records the whole history in that time, from which any other level is then cut; the others make "
         "the one level. The picture’s error is the root mean square over the covered pixels of eight views, in steps "
         "of 255. Measured apart from this report: " +
-        source_line(provenance_of(run)) + "</p>";
+        source_line(provenance_of(run.origin)) + "</p>";
     for (const long percent : shares(run.levels)) {
         section.plots.push_back(error_over_time(run.levels, percent, &MethodLevel::rms_error_percent, "RMS error",
                                                 "% of the model’s diagonal"));

@@ -84,6 +84,7 @@ Section budget_section(const ReportData& data);
 Section simplification_section(const ReportData& data);
 Section methods_section(const proto::MethodRun& run);
 Section codec_section(const ReportData& data);
+Section codecs_section(const proto::CodecRun& run);
 Section shading_section(const ReportData& data);
 Section end_to_end_section(const ReportData& data);
 Section hlod_section(const ReportData& data);

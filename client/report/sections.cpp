@@ -34,8 +34,9 @@ Table overview_table(const ReportData& data) {
 std::vector<Section> sections(const ReportData& data) {
     std::vector<Section> all{budget_section(data), simplification_section(data)};
     if (data.methods) all.push_back(methods_section(*data.methods));
-    for (auto* section :
-         {codec_section, shading_section, end_to_end_section, hlod_section, points_section, frame_rate_section})
+    all.push_back(codec_section(data));
+    if (data.codecs) all.push_back(codecs_section(*data.codecs));
+    for (auto* section : {shading_section, end_to_end_section, hlod_section, points_section, frame_rate_section})
         all.push_back(section(data));
     return all;
 }

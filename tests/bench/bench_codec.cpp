@@ -1,25 +1,22 @@
 // lodestream_bench_codec: a level's bytes, picture and decoding, plain and lean, beside Draco by the defaults of
 // gltf-transform's `draco` command; see README.md.
-#include <draco/compression/decode.h>
-#include <draco/compression/expert_encode.h>
-#include <draco/core/encoder_buffer.h>
-#include <draco/mesh/mesh.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <map>
 
+#include "client/report/machine.h"
 #include "common/codec/glb.h"
 #include "common/codec/level_codec.h"
 #include "common/mesh/operations.h"
 #include "common/metric/surface_distance.h"
 #include "common/simplify/history.h"
 #include "server/bake/bake.h"
+#include "tests/bench/codec_sweep.h"
 #include "tests/bench/judge.h"
 #include "tests/bench/levels.h"
+#include "tests/bench/peer_codecs.h"
 #include "tests/bench/stopwatch.h"
 #include "tests/bench/table.h"
 
@@ -32,15 +29,17 @@ struct Arguments {
     std::vector<std::string> models;
     std::vector<std::uint64_t> counts{1000, 5000, 20000, 60000};
     std::string data = "../shared/data";
+    std::string sweep_file;
+    std::string command_line;  // as typed
     int turns = 15;
 };
 
-// gltf-transform's defaults.
-constexpr int peer_speed = 5, peer_position_bits = 14, peer_normal_bits = 10, peer_texture_coordinate_bits = 12;
 constexpr double plain_target = 0.75, lean_target = 0.6, uncompressed_target = 0.1, decode_target = 1.1;
 constexpr double image_target = 1.05;
 // Below it the JSON of a level is a large part of it.
 constexpr std::uint64_t least_judged_triangles = 5000;
+// Of the level of a sweep, or half of a smaller model.
+constexpr std::uint64_t swept_triangles = 20000;
 
 using Bytes = std::vector<std::byte>;
 
@@ -62,124 +61,6 @@ struct Row {
     Form peer, plain, lean;
 };
 
-template <class Value>
-void add_attribute(draco::Mesh& target, draco::GeometryAttribute::Type type, int components, draco::DataType data_type,
-                   const std::vector<Value>& values) {
-    if (values.empty()) return;
-    draco::GeometryAttribute attribute;
-    attribute.Init(type, nullptr, static_cast<std::int8_t>(components), data_type, data_type == draco::DT_UINT8,
-                   sizeof(Value), 0);
-    const int id = target.AddAttribute(attribute, true, static_cast<unsigned>(values.size()));
-    for (std::uint32_t v = 0; v < values.size(); ++v)
-        target.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(v), &values[v]);
-}
-
-// One primitive a material, as the peer is given a level.
-std::vector<mesh::Mesh> by_material(const mesh::Mesh& level) {
-    std::map<std::uint32_t, std::vector<std::uint32_t>> groups;
-    for (std::uint32_t t = 0; t < level.triangles.size(); ++t) groups[mesh::material_of(level, t)].push_back(t);
-    std::vector<mesh::Mesh> parts;
-    for (const auto& [material, triangles] : groups) parts.push_back(mesh::part(level, triangles));
-    return parts;
-}
-
-std::unique_ptr<draco::Mesh> draco_mesh(const mesh::Mesh& part) {
-    auto result = std::make_unique<draco::Mesh>();
-    result->set_num_points(static_cast<unsigned>(part.positions.size()));
-    result->SetNumFaces(part.triangles.size());
-    for (std::uint32_t f = 0; f < part.triangles.size(); ++f) {
-        const mesh::Triangle& t = part.triangles[f];
-        result->SetFace(draco::FaceIndex(f),
-                        {{draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])}});
-    }
-    add_attribute(*result, draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32, part.positions);
-    add_attribute(*result, draco::GeometryAttribute::NORMAL, 3, draco::DT_FLOAT32, part.normals);
-    add_attribute(*result, draco::GeometryAttribute::TEX_COORD, 2, draco::DT_FLOAT32, part.texture_coordinates);
-    add_attribute(*result, draco::GeometryAttribute::COLOR, 4, draco::DT_UINT8, part.colors);
-    result->DeduplicateAttributeValues();
-    result->DeduplicatePointIds();
-    return result;
-}
-
-// The grid of positions is of the whole level, as `quantizationVolume: mesh` has it.
-Bytes compressed_by_peer(const mesh::Mesh& part, const Box& bounds) {
-    const std::unique_ptr<draco::Mesh> source = draco_mesh(part);
-    draco::ExpertEncoder encoder(*source);
-    encoder.SetSpeedOptions(peer_speed, peer_speed);
-    encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
-    const Vec3f origin(bounds.min);
-    const Vec3d extent = bounds.extent();
-    const auto range = static_cast<float>(std::max({extent.x, extent.y, extent.z}));
-    for (int a = 0; a < source->num_attributes(); ++a) switch (source->attribute(a)->attribute_type()) {
-            case draco::GeometryAttribute::POSITION:
-                encoder.SetAttributeExplicitQuantization(a, peer_position_bits, 3, &origin[0], range);
-                break;
-            case draco::GeometryAttribute::NORMAL:
-                encoder.SetAttributeQuantization(a, peer_normal_bits);
-                break;
-            case draco::GeometryAttribute::TEX_COORD:
-                encoder.SetAttributeQuantization(a, peer_texture_coordinate_bits);
-                break;
-            default:
-                break;
-        }
-    draco::EncoderBuffer buffer;
-    if (!encoder.EncodeToBuffer(&buffer).ok()) throw std::runtime_error("Draco refuses the level");
-    const auto* bytes = reinterpret_cast<const std::byte*>(buffer.data());
-    return {bytes, bytes + buffer.size()};
-}
-
-std::unique_ptr<draco::Mesh> decoded_by_draco(std::span<const std::byte> stream) {
-    draco::DecoderBuffer buffer;
-    buffer.Init(reinterpret_cast<const char*>(stream.data()), stream.size());
-    draco::Decoder decoder;
-    auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
-    if (!decoded.ok()) throw std::runtime_error("Draco does not decode what it encoded");
-    return std::move(decoded).value();
-}
-
-template <class Do>
-double least_ms(int turns, const Do& work) {
-    double least = std::numeric_limits<double>::infinity();
-    for (int turn = 0; turn < turns; ++turn) {
-        const Stopwatch watch;
-        work();
-        least = std::min(least, watch.elapsed().cpu_ms);
-    }
-    return least;
-}
-
-double draco_ms(const std::vector<std::span<const std::byte>>& streams, int turns) {
-    return least_ms(turns, [&] {
-        for (const auto& stream : streams) decoded_by_draco(stream);
-    });
-}
-
-template <class Value, int Components>
-std::vector<Value> values_of(const draco::Mesh& from, draco::GeometryAttribute::Type type) {
-    std::vector<Value> result;
-    const draco::PointAttribute* attribute = from.GetNamedAttribute(type);
-    if (!attribute) return result;
-    result.resize(from.num_points());
-    for (std::uint32_t p = 0; p < from.num_points(); ++p)
-        attribute->ConvertValue(attribute->mapped_index(draco::PointIndex(p)), Components, &result[p][0]);
-    return result;
-}
-
-mesh::Mesh mesh_of(const draco::Mesh& from, std::uint32_t material) {
-    mesh::Mesh to;
-    to.positions = values_of<Vec3f, 3>(from, draco::GeometryAttribute::POSITION);
-    to.normals = values_of<Vec3f, 3>(from, draco::GeometryAttribute::NORMAL);
-    to.texture_coordinates = values_of<Vec2f, 2>(from, draco::GeometryAttribute::TEX_COORD);
-    to.colors = values_of<Rgba8, 4>(from, draco::GeometryAttribute::COLOR);
-    for (std::uint32_t f = 0; f < from.num_faces(); ++f) {
-        const draco::Mesh::Face& face = from.face(draco::FaceIndex(f));
-        to.triangles.push_back({face[0].value(), face[1].value(), face[2].value()});
-    }
-    to.triangle_materials.assign(to.triangles.size(), material);
-    return to;
-}
-
 // The Draco streams that a GLB holds.
 std::vector<std::span<const std::byte>> streams_of(const codec::Glb& glb) {
     std::vector<std::span<const std::byte>> streams;
@@ -192,26 +73,12 @@ std::vector<std::span<const std::byte>> streams_of(const codec::Glb& glb) {
     return streams;
 }
 
-mesh::Model model_of(const codec::Decoded& decoded) {
-    mesh::Model model;
-    model.materials = decoded.materials;
-    model.images = decoded.images;
-    model.origin = decoded.origin;
-    for (const codec::Primitive& primitive : decoded.primitives) {
-        mesh::Mesh part = primitive.mesh;
-        part.triangle_materials.assign(part.triangles.size(), primitive.material);
-        part.colors.resize(part.positions.size(), Rgba8(255));
-        part.texture_coordinates.resize(part.positions.size());
-        mesh::append(model.mesh, part);
-    }
-    return model;
-}
-
 class Bench {
   public:
     Bench(mesh::Model model, Painter& painter, int turns)
         : model_(std::move(model)),
           surface_(model_.mesh),
+          painter_(painter),
           gallery_(painter, model_),
           history_(record_history(model_.mesh)),
           turns_(turns) {
@@ -241,6 +108,12 @@ class Bench {
         return row;
     }
 
+    SweptModel sweep(const std::string& name, std::uint64_t triangles) {
+        const mesh::Mesh level = simplify::cut(history_, triangles);
+        const metric::SurfaceError error = metric::measure(surface_, model_.mesh, level);
+        return {name, level.triangles.size(), sweep_codecs({model_, level, bounds_, error}, painter_, turns_)};
+    }
+
   private:
     Form measure(const mesh::Mesh& level, const codec::EncodeOptions& options, codec::Encoded& encoded) {
         const Stopwatch watch;
@@ -261,23 +134,8 @@ class Bench {
     }
 
     Form measure_peer(const mesh::Mesh& level) {
-        Form form;
-        const Stopwatch watch;
-        std::vector<Bytes> streams;
-        mesh::Mesh decoded;
-        const std::vector<mesh::Mesh> parts = by_material(level);
-        for (const mesh::Mesh& part : parts) streams.push_back(compressed_by_peer(part, mesh::bounds(level)));
-        form.encode_ms = watch.elapsed().cpu_ms;
-        std::vector<std::span<const std::byte>> spans;
-        std::size_t part = 0;
-        for (const Bytes& stream : streams) {
-            form.bytes += stream.size();
-            spans.emplace_back(stream);
-            mesh::append(decoded, mesh_of(*decoded_by_draco(stream), mesh::material_of(parts[part++], 0)));
-        }
-        form.image = gallery_.show(decoded).rms;
-        form.decode_ms = form.draco_ms = draco_ms(spans, turns_);
-        return form;
+        const Compressed made = by_draco(level, {}, turns_);
+        return {made.bytes, gallery_.show(made.decoded).rms, made.encode_ms, made.decode_ms, made.decode_ms};
     }
 
     static std::uint64_t uncompressed_bytes(const mesh::Mesh& level) {
@@ -293,6 +151,7 @@ class Bench {
 
     mesh::Model model_;
     metric::SurfaceIndex surface_;
+    Painter& painter_;
     Gallery gallery_;
     simplify::History history_;
     Box bounds_;  // of all levels
@@ -371,16 +230,21 @@ void run(const Arguments& arguments) {
     Result<Painter> painter = Painter::create();
     if (!painter) throw std::runtime_error(painter.error().message);
     std::vector<Row> rows;
+    std::vector<SweptModel> swept;
     for (const std::string& spec : arguments.models.empty() ? default_models(arguments.data) : arguments.models) {
         std::cerr << spec << std::endl;
         Bench bench(load_model(spec), *painter, arguments.turns);
+        const std::string name = fs::path(spec).stem().string();
         std::uint64_t last = 0;
         for (const std::uint64_t count : arguments.counts) {
             const std::uint64_t asked = std::min(count, bench.triangles());
             if (std::exchange(last, asked) == asked) break;
-            rows.push_back(bench.compare(fs::path(spec).stem().string(), asked));
+            rows.push_back(bench.compare(name, asked));
         }
+        if (!arguments.sweep_file.empty())
+            swept.push_back(bench.sweep(name, std::min(swept_triangles, bench.triangles() / 2)));
     }
+    if (!arguments.sweep_file.empty()) write_sweep(arguments.sweep_file, arguments.command_line, swept);
     std::cout << table_of(rows) << '\n' << verdicts_of(rows);
 }
 
@@ -389,6 +253,7 @@ void run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
     lodestream::bench::Arguments arguments;
+    arguments.command_line = lodestream::report::joined(argc, argv);
     CLI::App app{
         "Encodes levels plain and lean beside Draco by gltf-transform's defaults: bytes, pictures and decoding."};
     app.add_option("--models", arguments.models, "model files or sample:NAME; default: samples and those of --data");
@@ -396,6 +261,9 @@ int main(int argc, char** argv) {
     app.add_option("--data", arguments.data, "the folder of test models")->capture_default_str();
     app.add_option("--turns", arguments.turns, "how often each is decoded; the least time counts")
         ->capture_default_str();
+    app.add_option("--sweep", arguments.sweep_file,
+                   "Measure every codec over its settings too, on one level of each model, and write it for "
+                   "`lodestream-client report --codecs`");
     CLI11_PARSE(app, argc, argv);
     try {
         lodestream::bench::run(arguments);

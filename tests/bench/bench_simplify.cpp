@@ -12,6 +12,7 @@
 #include "client/report/machine.h"
 #include "tests/bench/comparison.h"
 #include "tests/bench/engine.h"
+#include "tests/bench/provenance_json.h"
 #include "tests/bench/table.h"
 #include "tests/bench/verdict.h"
 
@@ -76,18 +77,8 @@ json to_json(const Verdict& verdict) {
     return j;
 }
 
-json to_json(const report::Provenance& from) {
-    return {{"command", from.command},
-            {"commit", from.commit},
-            {"date", from.date},
-            {"cpu", from.cpu},
-            {"cores", from.cores}};
-}
-
 void write_json(const Arguments& arguments, const std::vector<ModelResult>& models, const std::vector<Verdict>& all) {
-    json j{{"run", to_json(report::provenance_of(arguments.command_line))},
-           {"models", json::array()},
-           {"verdicts", json::array()}};
+    json j{{"run", provenance_json(arguments.command_line)}, {"models", json::array()}, {"verdicts", json::array()}};
     for (const ModelResult& model : models) j["models"].push_back(to_json(model));
     for (const Verdict& verdict : all) j["verdicts"].push_back(to_json(verdict));
     std::ofstream out(arguments.json_file);

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/mesh/operations.h"
 #include "server/bake/executor.h"
 #include "server/importer/importer.h"
 #include "server/samples/samples.h"
@@ -33,6 +34,21 @@ simplify::History record_history(mesh::Mesh mesh) {
     Result<simplify::History> history = simplify::record_history(std::move(mesh), options);
     if (!history) throw std::runtime_error(history.error().message);
     return *std::move(history);
+}
+
+mesh::Model model_of(const codec::Decoded& decoded) {
+    mesh::Model model;
+    model.materials = decoded.materials;
+    model.images = decoded.images;
+    model.origin = decoded.origin;
+    for (const codec::Primitive& primitive : decoded.primitives) {
+        mesh::Mesh part = primitive.mesh;
+        part.triangle_materials.assign(part.triangles.size(), primitive.material);
+        part.colors.resize(part.positions.size(), Rgba8(255));
+        part.texture_coordinates.resize(part.positions.size());
+        mesh::append(model.mesh, part);
+    }
+    return model;
 }
 
 }  // namespace lodestream::bench

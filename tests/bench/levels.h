@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/codec/level_codec.h"
 #include "common/mesh/mesh.h"
 #include "common/simplify/history.h"
 
@@ -18,5 +19,8 @@ mesh::Model load_model(const std::string& spec);
 
 // On all cores. Throws likewise.
 simplify::History record_history(mesh::Mesh mesh);
+
+// What a level decodes to as one model.
+mesh::Model model_of(const codec::Decoded& decoded);
 
 }  // namespace lodestream::bench

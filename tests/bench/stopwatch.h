@@ -1,8 +1,10 @@
 // Wall clock and CPU time of this process, all threads together.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <limits>
 
 namespace lodestream::bench {
 
@@ -28,5 +30,17 @@ class Stopwatch {
     std::chrono::steady_clock::time_point wall_start_ = std::chrono::steady_clock::now();
     double cpu_start_ms_ = process_cpu_ms();
 };
+
+// CPU time of the fastest of so many turns.
+template <class Work>
+double least_ms(int turns, const Work& work) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int turn = 0; turn < turns; ++turn) {
+        const Stopwatch watch;
+        work();
+        least = std::min(least, watch.elapsed().cpu_ms);
+    }
+    return least;
+}
 
 }  // namespace lodestream::bench

@@ -1,4 +1,4 @@
-// What the simplification benchmark writes (tests/bench) and the report shows: levels that several methods made.
+// What benchmarks write (tests/bench) and the report shows: what this project and its peers make of the same levels.
 #pragma once
 
 #include <cstdint>
@@ -21,13 +21,33 @@ struct MethodLevel {
     std::optional<double> image_rms;  // steps of 255; with the method's normals if it has any
 };
 
-struct MethodRun {
+// Where and of what it was measured.
+struct RunOrigin {
     std::string command, commit, date, cpu;
     std::uint32_t cores = 0;
+};
+
+struct MethodRun {
+    RunOrigin origin;
     std::vector<MethodLevel> levels;
+};
+
+// A level of a model by one codec in one setting.
+struct CodecTrial {
+    std::string model, codec, setting;
+    bool is_default = false;  // what the codec is used with
+    std::uint64_t triangles = 0, bytes = 0;
+    double encode_ms = 0.0, decode_ms = 0.0;  // CPU time
+    double image_rms = 0.0;                   // steps of 255, against the level before encoding
+};
+
+struct CodecRun {
+    RunOrigin origin;
+    std::vector<CodecTrial> trials;
 };
 
 // Errors: invalid_input, with the path of the field.
 Result<MethodRun> parse_method_run(std::string_view json);
+Result<CodecRun> parse_codec_run(std::string_view json);
 
 }  // namespace lodestream::proto
