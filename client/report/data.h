@@ -10,9 +10,10 @@
 #include <vector>
 
 #include "client/report/frame_rate.h"
+#include "client/sdk/client.h"
 #include "common/budget/budget.h"
-#include "proto/messages.h"
 #include "proto/benchmark_runs.h"
+#include "proto/messages.h"
 
 namespace lodestream::report {
 
@@ -47,11 +48,20 @@ struct ModeResult {
     ImageError image;
 };
 
+using sdk::Link;
+inline constexpr std::array<Link, 4> links{{{0.5, 300.0}, {2.0, 80.0}, {10.0, 40.0}, {100.0, 10.0}}};
+
+// Milliseconds over each of the links, throttled for real; what would have taken too long is not there.
+using LinkTimes = std::array<std::optional<double>, links.size()>;
+
 struct DeviceResult {
     std::string device;
     budget::Request request;
-    proto::PlanResponse plan;  // of the hybrid level, made for the first time
-    double replan_ms = 0.0;    // round trip of the same plan once more, its content in the store
+    proto::PlanRequest sent_request;  // of the hybrid level
+    proto::PlanResponse plan;         // to it, made for the first time
+    double replan_ms = 0.0;           // round trip of the same plan once more, its content in the store
+    LinkTimes linked_plan_ms;         // the same over a link
+    LinkTimes linked_fetch_ms;        // of the plan's content
     std::uint64_t left_out_bytes = 0;
     std::array<ModeResult, 3> modes;  // hybrid, gouraud, flat; lean, as our own clients ask for
     std::uint64_t plain_bytes = 0;    // of the hybrid plan as glTF that any viewer shades in full
@@ -71,6 +81,7 @@ struct LadderLevel {
     std::uint64_t gouraud = 0;  // of its triangles
     double fetch_ms = 0.0;
     double decode_ms = 0.0;
+    LinkTimes linked_fetch_ms;
     std::vector<DrawnLevel> drawn;  // one a device
 };
 

@@ -8,6 +8,7 @@
 
 #include "client/render/image.h"
 #include "client/report/hlod_study.h"
+#include "client/report/linked.h"
 #include "client/report/measure_frame_rate.h"
 #include "client/report/pictures.h"
 #include "client/report/points_study.h"
@@ -311,6 +312,7 @@ Result<DeviceResult> Gatherer::measure_device(AssetResult& asset, std::size_t de
     for (const proto::LeftOut& item : out.plan.left_out) out.left_out_bytes += item.bytes;
 
     request.shading = proto::ShadingMode::hybrid;
+    out.sent_request = request;
     request.profile = proto::Profile::plain;
     const Result<proto::PlanResponse> plain = client_.plan(request);
     if (!plain) return plain.error();
@@ -505,6 +507,11 @@ Result<ReportData> Gatherer::run() {
         return fail(ErrorCode::not_found,
                     "nothing could be measured: " +
                         (data_.problems.empty() ? "the server has no assets" : data_.problems.front()));
+    if (Status going_on = begin("links"); going_on)
+        if (Status linked =
+                measure_links(options_.server_url, options_.quick ? max_quick_link_s : max_link_s, data_.assets);
+            !linked)
+            problem("links", linked.error());
     add_frame_rate();
     if (stopped_) return fail(ErrorCode::unavailable, "interrupted");
     return std::move(data_);

@@ -24,6 +24,7 @@ inline constexpr std::uint32_t composite_width = 480;   // px, of one panel of a
 
 struct GatherOptions {
     std::filesystem::path out;  // pictures go to out/pictures
+    std::string server_url;     // the client's, for further connections
     bool quick = false;
     std::function<bool(const std::string&)> progress;  // what is being done now; false: stop. Never empty
 };

@@ -10,10 +10,10 @@
 #include <thread>
 
 #include "client/render/gl_context.h"
+#include "client/report/benchmarks.h"
 #include "client/report/document.h"
 #include "client/report/gather.h"
 #include "client/report/machine.h"
-#include "client/report/benchmarks.h"
 #include "client/report/sections.h"
 #include "client/report/server_process.h"
 #include "client/report/text.h"
@@ -98,10 +98,11 @@ Result<ReportData> measure(const ReportOptions& options, const std::string& url)
     if (!client) return client.error();
 
     const ProgressLine progress;
-    Result<ReportData> data = gather(*client, *renderer, {options.out, options.quick, [&](const std::string& step) {
-                                                              progress.show(step);
-                                                              return !Interrupts::asked();
-                                                          }});
+    Result<ReportData> data =
+        gather(*client, *renderer, {options.out, url, options.quick, [&](const std::string& step) {
+                                        progress.show(step);
+                                        return !Interrupts::asked();
+                                    }});
     progress.clear();
     if (data) data->provenance = provenance(options, *context);
     return data;

@@ -1,3 +1,4 @@
+#include "client/report/linked.h"
 #include "client/report/section_rows.h"
 
 #include "client/report/text.h"
@@ -8,7 +9,7 @@ namespace {
 std::vector<Journey> journeys(const ReportData& data) {
     std::vector<Journey> rows;
     for (const auto& [asset, device] : device_rows(data))
-        for (const Link& link : links) {
+        for (std::size_t link = 0; link < links.size(); ++link) {
             rows.push_back(cut_journey({asset, device}, link));
             const std::vector<Journey> rungs = rung_journeys({asset, device}, link);
             rows.insert(rows.end(), rungs.begin(), rungs.end());
@@ -22,14 +23,15 @@ Plot journey_plot(const AssetResult& asset, const DeviceResult& device) {
               {"error of the picture, %", AxisScale::logarithmic},
               {},
               {}};
-    for (const Link& link : links) {
-        Series series{link_text(link), {}, true, true, false, {}};
+    for (std::size_t link = 0; link < links.size(); ++link) {
+        Series series{link_text(links[link]), {}, true, true, false, {}};
         for (const Journey& row : rung_journeys({&asset, &device}, link))
-            series.points.push_back(
-                {row.time_ms(), row.image_error_percent,
-                 link_text(link) + ", level " + std::to_string(row.rung->index) + ": " + format_count(row.triangles) +
-                     " triangles, " + format_bytes(static_cast<double>(row.bytes)) + ", drawn after " +
-                     format_duration(row.time_ms()) + ", error " + format_number(row.image_error_percent) + " %"});
+            series.points.push_back({row.time_ms(), row.image_error_percent,
+                                     link_text(links[link]) + ", level " + std::to_string(row.rung->index) + ": " +
+                                         format_count(row.triangles) + " triangles, " +
+                                         format_bytes(static_cast<double>(row.bytes)) + ", drawn after " +
+                                         format_duration(row.time_ms()) + (row.linked_ms ? "" : " (computed)") +
+                                         ", error " + format_number(row.image_error_percent) + " %"});
         plot.series.push_back(std::move(series));
     }
     return plot;
@@ -47,9 +49,9 @@ Table journey_table(const ReportData& data) {
         {"fetch", "fetch ms", [](const auto& r) { return hybrid_of(*r.device).fetch_ms; }},
         {"decode", "decode ms", [](const auto& r) { return hybrid_of(*r.device).decode_ms; }},
         {"frame", "frame ms", [](const auto& r) { return hybrid_of(*r.device).frame_ms; }}};
-    for (const Link& link : links)
-        fields.push_back(
-            {"", "ms at " + link_text(link), [link](const DeviceRow& r) { return cut_journey(r, link).time_ms(); }});
+    for (std::size_t link = 0; link < links.size(); ++link)
+        fields.push_back({"", "ms at " + link_text(links[link]),
+                          [link](const DeviceRow& r) { return cut_journey(r, link).time_ms(); }});
     return table_of<DeviceRow>(device_rows(data), fields);
 }
 
@@ -59,17 +61,19 @@ Section end_to_end_section(const ReportData& data) {
     Section section{"end_to_end", "From the click to the picture", {}, {}, {}, {}, {}};
     section.text_html =
         "<p>How good the picture is, and how long after the click: plan + fetch + decode + first frame, for each "
-        "level of the ladder (one point a level, coarse to fine from left to right) over four links. <strong>Link "
-        "time is computed, not throttled</strong>: bytes × 8 ÷ rate, and a round trip each for the plan and the "
-        "content (";
+        "level of the ladder (one point a level, coarse to fine from left to right) over four links. The links are "
+        "<strong>throttled for real</strong>: the client reads no faster, so the server is held back, and waits a "
+        "round "
+        "trip for the plan and another for the content (";
     for (const Link& link : links)
         section.text_html +=
-            (&link == links ? "" : ", ") + link_text(link) + " with " + format_number(link.rtt_ms) + " ms";
+            (&link == links.begin() ? "" : ", ") + link_text(link) + " with " + format_number(link.rtt_ms) + " ms";
     section.text_html +=
-        "). Everything else is measured between server and client on this machine: decode and frame times are "
-        "<em>this</em> machine’s at the device’s display size, not those of a device of that class. The table has "
-        "the level that was cut for each device; “first plan” includes cutting, measuring and encoding it, later "
-        "plans find it in the store.</p>";
+        "). Transfers of more than " + format_number(data.provenance.quick ? max_quick_link_s : max_link_s) +
+        " s are computed instead: bytes × 8 ÷ rate and the two round trips. Decode and frame times are <em>this</em> "
+        "machine’s at the device’s display size, not those of a device of that class. The table has the level that "
+        "was cut for each device; “first plan” includes cutting, measuring and encoding it, later plans find it in "
+        "the store.</p>";
     for (const AssetResult& asset : data.assets)
         for (const DeviceResult& device : asset.devices) {
             const bool outer = &device == &asset.devices.front() || &device == &asset.devices.back();
@@ -90,6 +94,7 @@ Section end_to_end_section(const ReportData& data) {
                          {"plan_ms", "", [](const auto& r) { return r.device->replan_ms; }},
                          {"fetch_ms", "", [](const auto& r) { return r.fetch_ms; }},
                          {"link_ms", "", [](const auto& r) { return link_ms(r.link, static_cast<double>(r.bytes)); }},
+                         {"linked_ms", "", [](const auto& r) { return r.linked_ms.value_or(not_known); }},
                          {"decode_ms", "", [](const auto& r) { return r.decode_ms; }},
                          {"frame_ms", "", [](const auto& r) { return r.frame_ms; }},
                          {"time_ms", "", [](const auto& r) { return r.time_ms(); }}});

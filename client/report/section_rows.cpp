@@ -13,6 +13,10 @@ std::string rung_title(const AssetResult& asset, const LadderLevel& rung) {
            format_bytes(static_cast<double>(rung.level.bytes));
 }
 
+std::optional<double> both(const std::optional<double>& plan_ms, const std::optional<double>& fetch_ms) {
+    return plan_ms && fetch_ms ? std::optional(*plan_ms + *fetch_ms) : std::nullopt;
+}
+
 }  // namespace
 
 std::vector<DeviceRow> device_rows(const ReportData& data) {
@@ -23,16 +27,18 @@ std::vector<DeviceRow> device_rows(const ReportData& data) {
 }
 
 double Journey::time_ms() const {
-    return device->replan_ms + fetch_ms + link_ms(link, static_cast<double>(bytes)) + decode_ms + frame_ms;
+    const double computed_ms = device->replan_ms + fetch_ms + link_ms(link, static_cast<double>(bytes));
+    return linked_ms.value_or(computed_ms) + decode_ms + frame_ms;
 }
 
-Journey cut_journey(const DeviceRow& row, const Link& link) {
+Journey cut_journey(const DeviceRow& row, std::size_t link) {
     const ModeResult& sent = hybrid_of(*row.device);
     const auto& level = row.device->plan.level;
     return {row.asset,
             row.device,
             nullptr,
-            link,
+            links[link],
+            both(row.device->linked_plan_ms[link], row.device->linked_fetch_ms[link]),
             sent.fetch_ms,
             sent.decode_ms,
             sent.frame_ms,
@@ -43,14 +49,15 @@ Journey cut_journey(const DeviceRow& row, const Link& link) {
             sent.bytes};
 }
 
-std::vector<Journey> rung_journeys(const DeviceRow& row, const Link& link) {
+std::vector<Journey> rung_journeys(const DeviceRow& row, std::size_t link) {
     std::vector<Journey> out;
     for (const LadderLevel& rung : row.asset->ladder)
         for (const DrawnLevel& drawn : rung.drawn)
             if (drawn.device == row.device->device)
-                out.push_back({row.asset, row.device, &rung, link, rung.fetch_ms, rung.decode_ms, drawn.frame_ms,
-                               rung.level.rms_error_percent, drawn.error_px, drawn.image.percent, rung.level.triangles,
-                               rung.level.bytes});
+                out.push_back({row.asset, row.device, &rung, links[link],
+                               both(row.device->linked_plan_ms[link], rung.linked_fetch_ms[link]), rung.fetch_ms,
+                               rung.decode_ms, drawn.frame_ms, rung.level.rms_error_percent, drawn.error_px,
+                               drawn.image.percent, rung.level.triangles, rung.level.bytes});
     return out;
 }
 

@@ -46,14 +46,16 @@ struct Journey {
     const DeviceResult* device = nullptr;
     const LadderLevel* rung = nullptr;  // null: the level cut for the device
     Link link;
+    std::optional<double> linked_ms;  // plan and fetch over the link; computed where it is not there
     double fetch_ms = 0.0, decode_ms = 0.0, frame_ms = 0.0;
     double rms_error_percent = 0.0, error_px = 0.0, image_error_percent = 0.0;
     std::uint64_t triangles = 0, bytes = 0;
 
     double time_ms() const;
 };
-Journey cut_journey(const DeviceRow& row, const Link& link);
-std::vector<Journey> rung_journeys(const DeviceRow& row, const Link& link);
+// `link`: of `links`.
+Journey cut_journey(const DeviceRow& row, std::size_t link);
+std::vector<Journey> rung_journeys(const DeviceRow& row, std::size_t link);
 
 inline const ModeResult& hybrid_of(const DeviceResult& device) {
     return device.modes[0];

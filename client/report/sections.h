@@ -11,14 +11,7 @@
 
 namespace lodestream::report {
 
-// A network to compute link times for.
-struct Link {
-    double downlink_mbps = 0.0;
-    double rtt_ms = 0.0;
-};
-inline constexpr Link links[] = {{0.5, 300.0}, {2.0, 80.0}, {10.0, 40.0}, {100.0, 10.0}};
-
-// bytes * 8 / rate, and a round trip each for the plan and the content. Computed, not throttled.
+// What these bytes take: bytes * 8 / rate, and a round trip each for the plan and the content. Computed.
 double link_ms(const Link& link, double bytes);
 
 // Everything at a glance, one row an asset and device: what the terminal shows.

@@ -74,9 +74,14 @@ std::string bytes_sentence(const std::vector<DeviceRow>& rows) {
 
 std::string time_sentence(const DeviceRow& row) {
     const auto& network = row.device->request.network;
-    const Link link = network ? Link{network->downlink_mbps, network->rtt_ms} : links[1];
+    Journey journey = cut_journey(row, 1);
+    if (network) {
+        journey.link = {network->downlink_mbps, network->rtt_ms};
+        journey.linked_ms.reset();
+    }
+    const Link& link = journey.link;
     const ModeResult& sent = hybrid_of(*row.device);
-    const double own = cut_journey(row, link).time_ms();
+    const double own = journey.time_ms();
     const double full = own + link_ms(link, static_cast<double>(row.asset->full_bytes)) -
                         link_ms(link, static_cast<double>(sent.bytes));
     return "Over " + link_text(link) + " the " + escape_html(row.device->device) + "’s picture of " +

@@ -169,7 +169,7 @@ Result<ServerUrl> parse_server_url(std::string_view url) {
 }
 
 struct Client::Impl {
-    explicit Impl(ServerUrl server) : connection(std::move(server)) {}
+    Impl(ServerUrl server, std::optional<Link> link) : connection(std::move(server), link) {}
     HttpConnection connection;
 
     // The body of a 2xx response.
@@ -197,10 +197,13 @@ Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
 Client::~Client() = default;
 
-Result<Client> Client::open(std::string_view url) {
+Result<Client> Client::open(std::string_view url, std::optional<Link> link) {
     auto server = parse_server_url(url);
     if (!server) return server.error();
-    return Client(std::make_unique<Impl>(*std::move(server)));
+    if (link && !(link->downlink_mbps > 0.0 && std::isfinite(link->downlink_mbps) && link->rtt_ms >= 0.0 &&
+                  std::isfinite(link->rtt_ms)))
+        return invalid_input("a link needs a rate above 0 Mbit/s and a round trip of at least 0 ms");
+    return Client(std::make_unique<Impl>(*std::move(server), link));
 }
 
 Result<std::vector<proto::Asset>> Client::assets() {

@@ -36,6 +36,12 @@ struct ServerUrl {
 // "http://HOST[:PORT][/]". Errors: unsupported (https), invalid_input (anything else).
 Result<ServerUrl> parse_server_url(std::string_view url);
 
+// A network to try instead of the one that is there.
+struct Link {
+    double downlink_mbps = 0.0;  // > 0, of what arrives; what is sent is not slowed
+    double rtt_ms = 0.0;         // >= 0, once a request, and once more for each connection made
+};
+
 struct Timing {
     double plan_ms = 0.0;
     double fetch_ms = 0.0;
@@ -53,7 +59,8 @@ struct Loaded {
 class Client {
   public:
     // Parses the URL only; the connection is made by the first request and made anew where the server closed it.
-    static Result<Client> open(std::string_view url);
+    // With `link`, what arrives is read no faster than that, and no sooner.
+    static Result<Client> open(std::string_view url, std::optional<Link> link = {});
     Client(Client&&) noexcept;
     Client& operator=(Client&&) noexcept;
     ~Client();

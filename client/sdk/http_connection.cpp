@@ -2,8 +2,10 @@
 
 #include <utility>
 // Asio of Boost 1.81 needs <utility> before it with g++ 12.
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <chrono>
@@ -20,8 +22,14 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int http_1_1 = 11;
 
-Clock::time_point deadline_after(double seconds) {
-    return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+constexpr double late_waking_s = 5e-3;
+
+Clock::duration seconds(double s) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+}
+
+Clock::time_point deadline_after(double after_s) {
+    return Clock::now() + seconds(after_s);
 }
 
 std::string authority(const ServerUrl& server) {
@@ -34,6 +42,7 @@ std::string authority(const ServerUrl& server) {
 // Beast has deadlines for asynchronous operations alone, so each one is started and run to its end.
 struct HttpConnection::Impl {
     ServerUrl server;
+    std::optional<Link> link;
     asio::io_context io;
     std::optional<beast::tcp_stream> stream;
     beast::flat_buffer buffer;
@@ -41,7 +50,7 @@ struct HttpConnection::Impl {
     using RequestMessage = http::request<http::span_body<const std::byte>>;
     using ResponseParser = http::response_parser<http::string_body>;
 
-    explicit Impl(ServerUrl url) : server(std::move(url)) {}
+    Impl(ServerUrl url, std::optional<Link> tried) : server(std::move(url)), link(tried) {}
 
     template <class Start>
     error_code run(Start start) {
@@ -68,6 +77,7 @@ struct HttpConnection::Impl {
         error = run([&](auto done) { stream->async_connect(endpoints, done); });
         if (error) return error;
         error_code ignored;
+        if (link) wait_until(Clock::now() + seconds(1e-3 * link->rtt_ms));
         stream->socket().set_option(asio::ip::tcp::no_delay(true), ignored);
         return error;
     }
@@ -91,10 +101,37 @@ struct HttpConnection::Impl {
 
     // A server that refuses a body early answers and closes while the body is still on its way: its answer counts.
     error_code exchange_once(RequestMessage& request, ResponseParser& parser) {
+        if (link) wait_until(Clock::now() + seconds(1e-3 * link->rtt_ms));
         stream->expires_at(deadline_after(request_timeout_s));
         const error_code written = run([&](auto done) { http::async_write(*stream, request, done); });
-        const error_code read = run([&](auto done) { http::async_read(*stream, buffer, parser, done); });
+        const error_code read =
+            link ? read_slowly(parser) : run([&](auto done) { http::async_read(*stream, buffer, parser, done); });
         return read && written ? written : read;
+    }
+
+    // A byte counts as arrived when the link has carried those before it; a late waking is made up for.
+    error_code read_slowly(ResponseParser& parser) {
+        const double bytes_per_s = 1e6 / 8.0 * link->downlink_mbps;
+        Clock::time_point arrived{};
+        while (!parser.is_done()) {
+            std::size_t bytes = 0;
+            const error_code error = run([&](auto done) {
+                http::async_read_some(*stream, buffer, parser, [&bytes, done](error_code failed, std::size_t read) {
+                    bytes = read;
+                    done(failed);
+                });
+            });
+            if (error) return error;
+            arrived = std::max(arrived, Clock::now() - seconds(late_waking_s));
+            arrived += seconds(static_cast<double>(bytes) / bytes_per_s);
+            wait_until(arrived);
+        }
+        return {};
+    }
+
+    void wait_until(Clock::time_point then) {
+        asio::steady_timer timer(io, then);
+        run([&](auto done) { timer.async_wait(done); });
     }
 
     Error describe(const HttpRequest& request, error_code error) const {
@@ -135,7 +172,8 @@ struct HttpConnection::Impl {
     }
 };
 
-HttpConnection::HttpConnection(ServerUrl server) : impl_(std::make_unique<Impl>(std::move(server))) {}
+HttpConnection::HttpConnection(ServerUrl server, std::optional<Link> link)
+    : impl_(std::make_unique<Impl>(std::move(server), link)) {}
 HttpConnection::~HttpConnection() = default;
 
 Result<HttpResponse> HttpConnection::exchange(const HttpRequest& request, std::uint64_t max_body_bytes) {

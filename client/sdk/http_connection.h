@@ -27,7 +27,7 @@ struct HttpResponse {
 
 class HttpConnection {
   public:
-    explicit HttpConnection(ServerUrl server);
+    explicit HttpConnection(ServerUrl server, std::optional<Link> link = {});
     ~HttpConnection();
 
     // Errors: unavailable (no connection), limit_exceeded (body over max_body_bytes), io (everything else that goes

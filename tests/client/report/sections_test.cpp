@@ -1,4 +1,5 @@
 #include "client/report/sections.h"
+#include "client/report/section_rows.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -34,6 +35,23 @@ TEST(Sections, OverviewHasOneRowAnAssetAndDevice) {
 TEST(Sections, EndToEndHasARowForEveryLevelDeviceAndLinkAndTheDevicesOwnLevel) {
     const std::vector<Section> all = sections(testing::report_data());
     EXPECT_EQ(section(all, "end_to_end").rows.rows.size(), (3u + 1u) * 2u * std::size(links));
+}
+
+TEST(Sections, AJourneyTakesWhatWasMeasuredOverTheLinkAndIsComputedElse) {
+    ReportData data = testing::report_data();
+    DeviceResult& device = data.assets[0].devices[0];
+    const DeviceRow row{&data.assets[0], &device};
+    const ModeResult& sent = hybrid_of(device);
+    EXPECT_DOUBLE_EQ(cut_journey(row, 1).time_ms(),
+                     device.replan_ms + sent.fetch_ms + link_ms(links[1], 900.0) + sent.decode_ms + sent.frame_ms);
+    device.linked_plan_ms[1] = 90.0;
+    device.linked_fetch_ms[1] = 400.0;
+    EXPECT_DOUBLE_EQ(cut_journey(row, 1).time_ms(), 490.0 + sent.decode_ms + sent.frame_ms);
+    data.assets[0].ladder[0].linked_fetch_ms[1] = 700.0;
+    const std::vector<Journey> rungs = rung_journeys(row, 1);
+    EXPECT_EQ(rungs[0].linked_ms, 790.0);
+    EXPECT_FALSE(rungs[1].linked_ms);
+    EXPECT_FALSE(cut_journey(row, 2).linked_ms);
 }
 
 TEST(Sections, CodecHasARowForEveryLevelAndEveryShadingModeOfADevice) {

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <limits>
+
 #include "tests/client/sdk/canned_server.h"
 #include "tests/support/meshes.h"
 
@@ -279,6 +282,30 @@ TEST(Client, FetchesChunkedContent) {
     const auto bytes = open(server).fetch("/v1/content/abc.glb", 10);
     ASSERT_TRUE(bytes) << bytes.error().message;
     EXPECT_EQ(bytes->size(), 10u);
+}
+
+// Only what a link must at least take is certain: a busy machine takes longer.
+TEST(Client, ALinkCarriesNoMoreThanItsRateAndAnswersNoSoonerThanItsRoundTrip) {
+    const std::string body(25'000, 'x');
+    CannedServer server({{http_reply(200, glb_type, body)}, {http_reply(200, glb_type, "y")}});
+    Result<Client> client = Client::open(server.url(), Link{1.0, 30.0});
+    ASSERT_TRUE(client.ok()) << client.error().message;
+    const auto elapsed_ms = [start = std::chrono::steady_clock::now()] {
+        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    };
+    const auto content = client->fetch("/v1/content/abc.glb", body.size());
+    ASSERT_TRUE(content.ok()) << content.error().message;
+    EXPECT_EQ(content->size(), body.size());
+    const double first_ms = elapsed_ms();
+    EXPECT_GE(first_ms, 200.0 - 5.0 + 2 * 30.0);  // 200 kbit, the connection and the request
+    ASSERT_TRUE(client->fetch("/v1/content/abc.glb", 1).ok());
+    EXPECT_GE(elapsed_ms() - first_ms, 30.0);
+}
+
+TEST(Client, RefusesALinkThatCarriesNothing) {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    for (const Link link : {Link{0.0, 1.0}, Link{-1.0, 1.0}, Link{nan, 1.0}, Link{1.0, -1.0}, Link{1.0, nan}})
+        EXPECT_FALSE(Client::open("http://127.0.0.1:1", link).ok());
 }
 
 TEST(Client, FetchRefusesUrlsOfOtherPlacesWithoutAsking) {
