@@ -47,6 +47,12 @@ struct Batch {
     std::shared_ptr<const std::vector<std::uint32_t>> places;  // of a movable level's triangles in its order; else null
 };
 
+// What a frame sent to the GPU.
+struct Sent {
+    std::uint64_t triangles = 0, points = 0;
+    std::uint32_t draw_calls = 0;
+};
+
 struct Target {
     std::uint32_t width = 0, height = 0, samples = 0;
     GLuint framebuffer = 0, color = 0, depth = 0;
@@ -120,6 +126,7 @@ Result<Program> link(const char* define) {
     glUseProgram(program.id);
     glUniform1i(uniform("u_base_color_texture"), 0);
     glUniform1i(uniform("u_emissive_texture"), 1);
+    glUseProgram(0);  // one in use outlives its deletion
     return program;
 }
 
@@ -156,9 +163,8 @@ void attribute(GLuint location, GLint components, GLenum type, bool normalized, 
 
 template <class T>
 std::uint64_t add_buffer(Batch& batch, GLenum target, const std::vector<T>& data) {
-    GLuint buffer = 0;
+    GLuint& buffer = batch.buffers.emplace_back(0);
     glGenBuffers(1, &buffer);
-    batch.buffers.push_back(buffer);
     glBindBuffer(target, buffer);
     glBufferData(target, static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(), GL_STATIC_DRAW);
     return data.size() * sizeof(T);
@@ -280,6 +286,7 @@ struct Renderer::Impl {
         float radius = 0.0f;  // of its discs, scene coordinates
     };
     std::vector<Shown> shown;  // the instances of the frame at hand that its picture may show
+    Sent sent;                 // of the frame at hand
 
     Impl() = default;
     Impl(const Impl&) = delete;
@@ -309,20 +316,18 @@ struct Renderer::Impl {
                     const shading::Phong& phong) const;
     void bind_texture(GLenum unit, const mesh::TextureReference& reference) const;
     void set_material(const Program& program, const mesh::Material& material) const;
-    void draw_batch(const Program& program, const Batch& batch) const;
+    void draw_batch(const Program& program, const Batch& batch);
     Status expose(const shading::View& view, const DrawOptions& options, const Sphere& scene);
-    void draw_exposures(const Program& program, const Batch& batch) const;
+    void draw_exposures(const Program& program, const Batch& batch);
+    bool sees_scene(const Camera& camera) const;
     void sort_blended(const Camera& camera);
     void draw_frame(const Camera& camera, const std::vector<Vec4f>& lights, const DrawOptions& options);
-    std::uint32_t draw_calls() const {
-        const auto drawn = std::count_if(batches.begin(), batches.end(), [](const Batch& b) { return b.corners > 0; });
-        return static_cast<std::uint32_t>(static_cast<std::size_t>(drawn) * shown.size());
-    }
     Image read_back(const DrawOptions& options) const;
 };
 
 Status Renderer::Impl::create() {
     if (!glGetString(GL_VERSION)) return fail(ErrorCode::unavailable, "no OpenGL ES 3 context is current");
+    if (driver_version() < 30) return fail(ErrorCode::unavailable, "the current context is not OpenGL ES 3");
     gl_failed();
     constexpr std::array<const char*, styles> defines{"\n", "#define FLAT\n", "#define DISCS\n"};
     for (std::size_t i = 0; i < styles; ++i) {
@@ -344,7 +349,7 @@ Status Renderer::Impl::create() {
     has_sample_shading = driver_version() >= 32;
     if (has_sample_shading) glMinSampleShading(1.0f);
     max_side = std::min({renderbuffer_side, viewport_side[0], viewport_side[1], static_cast<GLint>(image::max_side)});
-    if (gl_failed() || max_side < 1) return fail(ErrorCode::unavailable, "the current context is not OpenGL ES 3");
+    if (gl_failed()) return out_of_memory("the shaders and a white texture");
     return Nothing{};
 }
 
@@ -402,7 +407,7 @@ std::vector<std::string> Renderer::Impl::begin_upload(const codec::Decoded& cont
 Batch& Renderer::Impl::add_batch(const codec::Primitive& primitive, Style style, std::size_t images) {
     const bool is_flat = style == Style::flat;
     const bool textured = is_textured(materials[primitive.material], images);
-    Batch batch;
+    Batch& batch = batches.emplace_back();
     batch.style = style;
     batch.material = primitive.material;
     batch.corners = static_cast<GLsizei>(primitive.mesh.triangles.size() * 3);
@@ -410,8 +415,7 @@ Batch& Renderer::Impl::add_batch(const codec::Primitive& primitive, Style style,
                                     : gouraud_streams(primitive.mesh, placement, textured);
     uploaded.geometry_bytes += fill(batch, streams);
     (is_flat ? uploaded.flat_vertices : uploaded.gouraud_vertices) += streams.positions.size();
-    batches.push_back(std::move(batch));
-    return batches.back();
+    return batch;
 }
 
 Result<UploadStatistics> Renderer::Impl::end_upload(std::vector<std::string> warnings) {
@@ -468,12 +472,11 @@ Result<UploadStatistics> Renderer::Impl::upload(const codec::Points& content) {
     levels = content.levels;
     materials.emplace_back().base_color = content.base_color;
     uploaded.points = content.cloud.positions.size();
-    Batch batch;
-    batch.style = Style::discs;
-    batch.corners = static_cast<GLsizei>(uploaded.points);
     if (uploaded.points > 0) {
+        Batch& batch = batches.emplace_back();
+        batch.style = Style::discs;
+        batch.corners = static_cast<GLsizei>(uploaded.points);
         uploaded.geometry_bytes = fill(batch, disc_streams(content.cloud, placement));
-        batches.push_back(std::move(batch));
     }
     if (gl_failed()) return out_of_memory(std::to_string(uploaded.points) + " points");
     return uploaded;
@@ -553,18 +556,21 @@ void Renderer::Impl::set_material(const Program& program, const mesh::Material& 
     blend ? glEnable(GL_BLEND) : glDisable(GL_BLEND);
 }
 
-void Renderer::Impl::draw_batch(const Program& program, const Batch& batch) const {
+void Renderer::Impl::draw_batch(const Program& program, const Batch& batch) {
     const auto offset = static_cast<std::uintptr_t>(batch.first) * sizeof(std::uint32_t);
     glBindVertexArray(batch.vertex_array);
     for (const Shown& instance : shown) {
         glUniform3f(program.offset, instance.offset.x, instance.offset.y, instance.offset.z);
+        ++sent.draw_calls;
         if (batch.style != Style::discs) {
             glDrawElements(GL_TRIANGLES, batch.corners, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset));
+            sent.triangles += static_cast<std::uint64_t>(batch.corners) / 3;
             continue;
         }
         const float widening = target.samples > 1 && !has_sample_shading ? 1.0f : 0.0f;
         glUniform4f(program.disc, instance.radius, 0.5f * static_cast<float>(target.height), widening, max_point_px);
         glDrawArrays(GL_POINTS, 0, instance.points);
+        sent.points += static_cast<std::uint64_t>(instance.points);
     }
 }
 
@@ -575,6 +581,7 @@ void Renderer::Impl::show(const DrawOptions& options, const std::vector<Sphere>&
         const auto is_seen = [&](const Camera& c) { return may_see(c, spheres[i]); };
         if (exposures.empty() ? !is_seen(camera) : std::none_of(exposures.begin(), exposures.end(), is_seen)) continue;
         const std::uint64_t points = std::min(options.instances[i].points, uploaded.points);
+        if (points == 0 && uploaded.points > 0) continue;
         const double radius = levels.empty() || points == 0 ? 0.0 : points::level_of(levels, points).radius;
         shown.push_back(
             {Vec3f(spheres[i].center), static_cast<GLsizei>(points), static_cast<float>(radius / placement.radius)});
@@ -598,7 +605,7 @@ Status Renderer::Impl::expose(const shading::View& view, const DrawOptions& opti
 }
 
 // Every exposure writes to its own samples alone, depth included; resolving them makes the mean.
-void Renderer::Impl::draw_exposures(const Program& program, const Batch& batch) const {
+void Renderer::Impl::draw_exposures(const Program& program, const Batch& batch) {
     if (exposures.empty()) return draw_batch(program, batch);
     glEnable(GL_SAMPLE_MASK);
     for (std::size_t i = 0; i < exposures.size(); ++i) {
@@ -613,6 +620,11 @@ void Renderer::Impl::draw_exposures(const Program& program, const Batch& batch) 
     glDisable(GL_SAMPLE_MASK);
 }
 
+bool Renderer::Impl::sees_scene(const Camera& camera) const {
+    return camera.sees_scene ||
+           std::any_of(exposures.begin(), exposures.end(), [](const Camera& c) { return c.sees_scene; });
+}
+
 // Blended primitives from back to front by their centres; triangles inside one are not sorted.
 void Renderer::Impl::sort_blended(const Camera& camera) {
     const auto first = std::find_if(batches.begin(), batches.end(), [&](const Batch& b) {
@@ -625,6 +637,7 @@ void Renderer::Impl::sort_blended(const Camera& camera) {
 
 void Renderer::Impl::draw_frame(const Camera& camera, const std::vector<Vec4f>& lights, const DrawOptions& options) {
     const auto width = static_cast<GLint>(options.width), height = static_cast<GLint>(options.height);
+    sent = {};
     glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
     glViewport(0, 0, width, height);
     glDisable(GL_CULL_FACE);
@@ -634,7 +647,7 @@ void Renderer::Impl::draw_frame(const Camera& camera, const std::vector<Vec4f>& 
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     glClearColor(options.background.r, options.background.g, options.background.b, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    if (camera.sees_scene) {
+    if (sees_scene(camera)) {
         for (const Program& program : programs) set_camera(program, camera, lights, options.phong);
         glVertexAttrib4f(location_color, 1.0f, 1.0f, 1.0f, 1.0f);
         glVertexAttrib3f(location_normal_or_previous, 0.0f, 0.0f, 0.0f);
@@ -649,6 +662,7 @@ void Renderer::Impl::draw_frame(const Camera& camera, const std::vector<Vec4f>& 
             if (samples_apart) glDisable(GL_SAMPLE_SHADING);
         }
         glBindVertexArray(0);
+        glUseProgram(0);
     }
     if (target.samples == 1) return;
     glBindFramebuffer(GL_READ_FRAMEBUFFER, target.framebuffer);
@@ -732,9 +746,9 @@ Result<Frame> Renderer::draw(const shading::View& view, const DrawOptions& optio
     }
     try {
         Frame frame{impl_->read_back(options), median(std::move(times_ms))};
-        frame.triangles = impl_->uploaded.triangles * impl_->shown.size();
-        for (const Impl::Shown& instance : impl_->shown) frame.points += static_cast<std::uint64_t>(instance.points);
-        frame.draw_calls = impl_->draw_calls();
+        frame.triangles = impl_->sent.triangles;
+        frame.points = impl_->sent.points;
+        frame.draw_calls = impl_->sent.draw_calls;
         if (gl_failed()) return out_of_memory("the frame");
         return frame;
     } catch (const std::bad_alloc&) {

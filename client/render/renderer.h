@@ -72,7 +72,7 @@ struct DrawOptions {
 struct Frame {
     Image image;
     double frame_ms = 0.0;        // drawing until the GPU is done, without reading the picture back
-    std::uint64_t triangles = 0;  // sent to the GPU
+    std::uint64_t triangles = 0;  // sent to the GPU, once for every instance and exposure
     std::uint64_t points = 0;     // likewise
     std::uint32_t draw_calls = 0;
 };
@@ -98,14 +98,16 @@ Box world_bounds(const codec::Points& content);
 // Needs a current OpenGL ES 3 context, the same one for its whole life and at its end.
 class Renderer {
   public:
+    // Errors: unavailable (no context is current, or an older one than OpenGL ES 3), limit_exceeded (GPU memory),
+    // internal (the driver does not take the shaders; what it says of them).
     static Result<Renderer> create();
     Renderer(Renderer&&) noexcept;
     Renderer& operator=(Renderer&&) noexcept;
     ~Renderer();
 
-    // Puts the level on the GPU in place of the one before. Images that cannot be decoded are drawn white and warned
-    // of. Errors: invalid_input (an index or attribute length is wrong, positions not finite), limit_exceeded (GPU
-    // memory).
+    // Puts the level on the GPU in place of the one before, which goes first: weak devices have no memory for both.
+    // Images that cannot be decoded are drawn white and warned of. After an error nothing is on the GPU. Errors:
+    // invalid_input (an index or attribute length is wrong, positions not finite), limit_exceeded (GPU memory).
     Result<UploadStatistics> upload(const codec::Decoded& content);
 
     // The same of a level whose border between Gouraud and flat may move; all Gouraud at first.

@@ -163,21 +163,6 @@ TEST_F(DiscsTest, OnePointIsADiscOfItsOwn) {
     EXPECT_NEAR(static_cast<double>(pixels), pi * 19.3 * 19.3, 40.0);
 }
 
-TEST_F(DiscsTest, AnEmptyCloudIsTheBackgroundAlone) {
-    EXPECT_EQ(covered(picture(codec::Points{}, from_front, canvas(32))), 0u);
-    codec::Points cloud = points_of(testing::sphere(10), 100);
-    ASSERT_TRUE(renderer->upload(cloud));
-    DrawOptions options = canvas(32);
-    options.instances = {{{}, 0}};
-    const auto none = renderer->draw(from_front, options);
-    ASSERT_TRUE(none);
-    EXPECT_EQ(covered(none->image), 0u);
-    options.instances.clear();
-    const auto nobody = renderer->draw(from_front, options);
-    ASSERT_TRUE(nobody);
-    EXPECT_EQ(covered(nobody->image), 0u);
-}
-
 TEST_F(DiscsTest, ModelsOfAnySizeDrawAlike) {
     const std::size_t usual = covered(picture(points_of(testing::sphere(30), 1000), from_front, canvas(128)));
     for (const double scale : {1e-9, 1e9}) {
@@ -194,18 +179,6 @@ TEST_F(DiscsTest, AnEyeInsideTheCloudDrawsSomethingFinite) {
     const codec::Points cloud = points_of(testing::sphere(30), 3000);
     for (const Vec3d eye : {Vec3d(0, 0, 0), Vec3d(0, 0, 0.999), Vec3d(1e-9, 0, 0), Vec3d(0, 0, 1)})
         picture(cloud, {eye, {3, 0, 0}, 45.0, {0, 0, 1}}, canvas(64));
-}
-
-TEST_F(DiscsTest, WrongCloudsAreRefused) {
-    codec::Points cloud = points_of(testing::sphere(10), 100);
-    cloud.cloud.positions[3].y = std::numeric_limits<float>::quiet_NaN();
-    EXPECT_FALSE(renderer->upload(cloud));
-    cloud = points_of(testing::sphere(10), 100);
-    cloud.cloud.normals.pop_back();
-    EXPECT_FALSE(renderer->upload(cloud));
-    cloud = points_of(testing::sphere(10), 100);
-    cloud.levels.front().radius = std::numeric_limits<double>::infinity();
-    EXPECT_FALSE(renderer->upload(cloud));
 }
 
 TEST_F(DiscsTest, InstancesStandWhereTheyAreToldAndHideEachOther) {

@@ -63,15 +63,10 @@ TEST_F(ExposuresTest, WhatOneExposureHidesTheOtherStillShows) {
     EXPECT_NEAR(three_quarters, 137, 1);  // 1/4
 }
 
-TEST_F(ExposuresTest, NeedASampleEach) {
-    options.samples = 2;
-    options.earlier = {shifted(0.1), shifted(0.2)};
-    EXPECT_EQ(renderer->draw(shifted(0.0), options).error().code, ErrorCode::invalid_input);
-}
-
-TEST_F(ExposuresTest, RefuseAMomentThatIsNoView) {
-    options.earlier = {View{{0, 0, 1}, {0, 0, 1}, 45.0, {0, 0, 1}}};
-    EXPECT_EQ(renderer->draw(shifted(0.0), options).error().code, ErrorCode::invalid_input);
+TEST_F(ExposuresTest, WhatOnlyTheEarlierMomentSawIsHalfThere) {
+    const View turned_away{{0, 0, 4}, {0, 0, 8}, 45.0, {0, 0, 1}};
+    EXPECT_NEAR(red(picture(turned_away, {shifted(0.0)}), 48, 48), 188, 1);  // half of white's light, in sRGB
+    EXPECT_NEAR(red(picture(shifted(0.0), {turned_away}), 48, 48), 188, 1);
 }
 
 }  // namespace

@@ -233,16 +233,6 @@ TEST_F(RendererTest, LightsAddUpAndReplaceTheViewsLight) {
                     to_srgb(0.5 * (0.25 + 0.75 * 0.75)), 1.0);
 }
 
-TEST_F(RendererTest, RefusesMoreLightsThanTheLimitAndLightsFromNowhere) {
-    DrawOptions options = small;
-    options.lights.assign(max_lights + 1, {});
-    EXPECT_EQ(renderer->draw(from_front, options).error().code, ErrorCode::limit_exceeded);
-    for (const Light& light : {Light{{0, 0, 0}, 1.0}, Light{{NAN, 0, 0}, 1.0}, Light{{0, 1, 0}, -1.0}}) {
-        options.lights = {light};
-        EXPECT_EQ(renderer->draw(from_front, options).error().code, ErrorCode::invalid_input);
-    }
-}
-
 TEST_F(RendererTest, FlatSharesVerticesWithoutMixingFacesColoursOrCorners) {
     mesh::Mesh grid = bumpy_grid(12);
     for (std::size_t v = 0; v < grid.positions.size(); ++v)
@@ -358,22 +348,6 @@ TEST_F(RendererTest, LooksStraightUpAndDown) {
     }
 }
 
-TEST_F(RendererTest, SceneBehindTheEyeOrFartherThanAPixelIsBackgroundAlone) {
-    const Decoded content = content_of(testing::sphere(8), Shading::flat);
-    EXPECT_EQ(covered(picture(content, {{0, 0, 4}, {0, 0, 8}, 45, {0, 0, 1}})), 0u);
-    EXPECT_EQ(covered(picture(content, {{0, 0, 1e9}, {0, 0, 0}, 45, {0, 0, 1}})), 0u);
-    EXPECT_EQ(covered(picture(content, {{1e300, 1e300, 1e308}, {-1e308, 0, -1e308}, 45, {0, 0, 1e308}})), 0u);
-}
-
-TEST_F(RendererTest, EmptyLevelAndNoUploadDrawTheBackground) {
-    const auto before = renderer->draw(from_front, small);
-    ASSERT_TRUE(before);
-    EXPECT_EQ(covered(before->image), 0u);
-    EXPECT_EQ(covered(picture(Decoded{}, from_front)), 0u);
-    EXPECT_EQ(covered(picture(content_of(mesh::Mesh{}, Shading::gouraud), from_front)), 0u);
-    EXPECT_TRUE(world_bounds(Decoded{}).empty());
-}
-
 TEST_F(RendererTest, LevelOfOnePointDrawsNothingAndDoesNotDivideByZero) {
     mesh::Mesh m;
     m.positions.assign(3, Vec3f{1, 1, 1});
@@ -388,27 +362,6 @@ TEST_F(RendererTest, BackgroundIsLinearAndTheCallers) {
     EXPECT_NEAR(pixel(image, 0, 0)[0], to_srgb(0.5), 1.0);
     EXPECT_EQ(pixel(image, 0, 0)[1], 0);
     EXPECT_EQ(pixel(image, 0, 0)[2], 255);
-}
-
-TEST_F(RendererTest, RefusesPicturesWithoutPixelsAndTooLargeOnes) {
-    const auto code = [&](DrawOptions options) {
-        const auto frame = renderer->draw(from_front, options);
-        EXPECT_FALSE(frame);
-        return frame ? ErrorCode::internal : frame.error().code;
-    };
-    EXPECT_EQ(code({.width = 0, .height = 0}), ErrorCode::invalid_input);
-    EXPECT_EQ(code({.width = 5, .height = 0}), ErrorCode::invalid_input);
-    EXPECT_EQ(code({.width = 5, .height = 5, .samples = 0}), ErrorCode::invalid_input);
-    EXPECT_EQ(code({.width = 5, .height = 5, .samples = 9}), ErrorCode::invalid_input);
-    EXPECT_EQ(code({.width = 5, .height = 5, .frames = 0}), ErrorCode::invalid_input);
-    EXPECT_EQ(code({.width = image::max_side + 1, .height = 1}), ErrorCode::limit_exceeded);
-    EXPECT_EQ(code({.width = 4'000'000'000u, .height = 4'000'000'000u}), ErrorCode::limit_exceeded);
-    EXPECT_EQ(code({.width = image::max_side, .height = image::max_side}), ErrorCode::limit_exceeded);
-}
-
-TEST_F(RendererTest, RefusesAViewThatLooksNowhere) {
-    EXPECT_FALSE(renderer->draw({{1, 1, 1}, {1, 1, 1}, 45, {0, 0, 1}}, small));
-    EXPECT_FALSE(renderer->draw({{NAN, 1, 1}, {0, 0, 0}, 45, {0, 0, 1}}, small));
 }
 
 TEST_F(RendererTest, VeryWidePictureIsDrawnOrRefusedWithAReason) {
@@ -537,48 +490,6 @@ TEST_F(RendererTest, BlendedSurfaceInFrontShowsTheOpaqueOneBehindWhateverTheOrde
         EXPECT_NEAR(pixel(image, 48, 48)[0], to_srgb(0.5), 1.0);
         EXPECT_NEAR(pixel(image, 48, 48)[2], to_srgb(0.5), 1.0);
     }
-}
-
-TEST_F(RendererTest, RefusesALevelThatContradictsItselfAndThenDrawsNothing) {
-    const auto refused = [&](auto damage) {
-        Decoded content = content_of(square(), Shading::gouraud);
-        damage(content);
-        const auto uploaded = renderer->upload(content);
-        ASSERT_FALSE(uploaded);
-        EXPECT_EQ(uploaded.error().code, ErrorCode::invalid_input);
-        const auto frame = renderer->draw(from_front, small);
-        ASSERT_TRUE(frame);
-        EXPECT_EQ(covered(frame->image), 0u);
-    };
-    refused([](Decoded& d) { d.primitives[0].mesh.triangles[1][2] = 4; });
-    refused([](Decoded& d) { d.primitives[0].mesh.normals.pop_back(); });
-    refused([](Decoded& d) { d.primitives[0].mesh.normals.clear(); });
-    refused([](Decoded& d) { d.primitives[0].mesh.colors.resize(2); });
-    refused([](Decoded& d) { d.primitives[0].mesh.positions[0].x = NAN; });
-    refused([](Decoded& d) { d.primitives[0].material = 1; });
-    refused([](Decoded& d) { d.origin.y = INFINITY; });
-}
-
-TEST_F(RendererTest, StatisticsCountWhatIsOnTheGpu) {
-    mesh::Model model;
-    model.mesh = testing::sphere(8);
-    const auto uploaded = renderer->upload(drawable(model, model.mesh, std::vector<std::uint8_t>(112, 0)));
-    ASSERT_TRUE(uploaded);
-    EXPECT_EQ(uploaded->triangles, 112u);
-    EXPECT_EQ(uploaded->gouraud_triangles, 0u);
-    EXPECT_EQ(uploaded->geometry_bytes, 112u * (36u + 12u));
-    EXPECT_EQ(uploaded->flat_vertices, 112u);  // one evaluation of the light a face
-    EXPECT_EQ(uploaded->gouraud_vertices, 0u);
-    const auto smooth = renderer->upload(drawable(model, model.mesh));
-    ASSERT_TRUE(smooth);
-    EXPECT_EQ(smooth->gouraud_triangles, 112u);
-    EXPECT_EQ(smooth->gouraud_vertices, 58u);
-    EXPECT_EQ(smooth->flat_vertices, 0u);
-    EXPECT_EQ(smooth->geometry_bytes, 58u * 24u + 112u * 12u);
-    const auto frame = renderer->draw(from_front, small);
-    ASSERT_TRUE(frame);
-    EXPECT_EQ(frame->triangles, 112u);
-    EXPECT_EQ(frame->draw_calls, 1u);
 }
 
 TEST(Drawable, MakesOnePrimitiveForEachMaterialAndShading) {

@@ -1,0 +1,350 @@
+// The renderer on drivers that are hard to come by: short of memory, old, small or unwilling. And what it draws, as the
+// shaders read it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "client/render/renderer.h"
+#include "tests/client/render/fake/recording_gl.h"
+#include "tests/support/meshes.h"
+
+namespace lodestream::render {
+namespace {
+
+using codec::Decoded;
+using codec::Shading;
+using shading::View;
+using ::testing::Each;
+using testing::GlDraw;
+using testing::GlDriver;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::RecordingGl;
+
+const View from_front{{0, 0, 4}, {0, 0, 0}, 45.0, {0, 0, 1}};
+const DrawOptions small{.width = 32, .height = 24, .samples = 1};
+
+Decoded content_of(mesh::Mesh mesh, Shading shading) {
+    Decoded content;
+    content.materials.emplace_back();
+    if (shading == Shading::flat) mesh.normals.clear();
+    content.primitives.push_back({shading, 0, std::move(mesh)});
+    return content;
+}
+
+// A Gouraud sphere with an image, of two materials, and a flat one.
+Decoded everything() {
+    mesh::Mesh sphere = testing::sphere(8);
+    sphere.texture_coordinates.assign(sphere.positions.size(), Vec2f{0.5f});
+    sphere.colors.assign(sphere.positions.size(), Rgba8{255, 0, 0, 255});
+    Decoded content = content_of(sphere, Shading::gouraud);
+    content.images.push_back({"image/png", *encode_png(solid(32, 32, 9, 9, 9)), 32, 32});
+    content.materials[0].base_color_texture.image = 0;
+    content.materials.emplace_back().alpha_mode = mesh::AlphaMode::blend;
+    sphere.normals.clear();
+    content.primitives.push_back({Shading::flat, 1, sphere});
+    return content;
+}
+
+codec::Points cloud() {
+    codec::Points content;
+    for (const float x : {-1.0f, 0.0f, 1.0f}) content.cloud.positions.emplace_back(x, 0.0f, 0.0f);
+    content.levels = {{3, {}, 0.1}};
+    return content;
+}
+
+class DriversTest : public ::testing::Test {
+  protected:
+    void create() {
+        auto made = Renderer::create();
+        ASSERT_TRUE(made) << made.error().message;
+        renderer.emplace(*std::move(made));
+    }
+
+    // Nothing lives on, and nothing was wrong meanwhile.
+    void TearDown() override {
+        renderer.reset();
+        EXPECT_EQ(gl.record().deleted, gl.record().created);
+        EXPECT_EQ(gl.record().bytes, 0u);
+        EXPECT_THAT(gl.record().misuses, IsEmpty());
+    }
+
+    // The draw calls of one frame.
+    std::vector<GlDraw> draws_of(const View& view = from_front, const DrawOptions& options = small) {
+        gl.record().draws.clear();
+        const auto frame = renderer->draw(view, options);
+        EXPECT_TRUE(frame) << frame.error().message;
+        EXPECT_EQ(frame ? frame->draw_calls : 0, gl.record().draws.size());
+        return std::exchange(gl.record().draws, {});
+    }
+
+    RecordingGl gl;
+    std::optional<Renderer> renderer;
+};
+
+TEST_F(DriversTest, OutOfMemoryAnywhereInAnUploadLeavesNothingAndTheNextLevelFits) {
+    create();
+    const std::uint64_t empty = gl.record().bytes;
+    ASSERT_TRUE(renderer->upload(everything()));
+    const std::uint64_t whole = gl.record().bytes - empty;
+    for (std::uint64_t left = 0; left < whole; left += 97) {
+        gl.driver().memory_bytes = empty + left;
+        const auto refused = renderer->upload(everything());
+        ASSERT_FALSE(refused) << left;
+        EXPECT_EQ(refused.error().code, ErrorCode::limit_exceeded);
+        EXPECT_THAT(refused.error().message, HasSubstr("224 triangles"));
+        EXPECT_EQ(gl.record().bytes, empty) << left;
+    }
+    gl.driver().memory_bytes = empty + whole;
+    EXPECT_TRUE(renderer->upload(everything()));
+    gl.driver().memory_bytes = GlDriver{}.memory_bytes;
+    EXPECT_EQ(draws_of().size(), 2u);
+}
+
+TEST_F(DriversTest, TwoLevelsAreNeverOnTheGpuAtOnce) {
+    create();
+    const std::uint64_t empty = gl.record().bytes;
+    ASSERT_TRUE(renderer->upload(everything()));
+    const std::uint64_t one = gl.record().bytes;
+    gl.driver().memory_bytes = one;
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(renderer->upload(everything()));
+    EXPECT_EQ(gl.record().peak_bytes, one);
+    ASSERT_TRUE(renderer->upload(Decoded{}));
+    EXPECT_EQ(gl.record().bytes, empty);
+}
+
+TEST_F(DriversTest, MemoryForALevelButNotForThePicture) {
+    create();
+    ASSERT_TRUE(renderer->upload(everything()));
+    const std::uint64_t level = gl.record().bytes;
+    for (const std::uint64_t left :
+         {0u, 4u * 32u * 24u, 2u * 4u * 4u * 32u * 24u}) {  // colour; depth; what is resolved
+        gl.driver().memory_bytes = level + left;
+        const auto refused = renderer->draw(from_front, {.width = 32, .height = 24, .samples = 4});
+        ASSERT_FALSE(refused) << left;
+        EXPECT_EQ(refused.error().code, ErrorCode::limit_exceeded);
+        EXPECT_THAT(refused.error().message, HasSubstr("32x24"));
+    }
+    gl.driver().memory_bytes = level + 2 * 4 * 32 * 24;
+    EXPECT_EQ(draws_of().size(), 2u);  // without samples of their own there is room
+}
+
+TEST_F(DriversTest, NoMemoryForTheRendererItself) {
+    gl.driver().memory_bytes = 3;
+    const auto made = Renderer::create();
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().code, ErrorCode::limit_exceeded);
+}
+
+TEST_F(DriversTest, ShadersThatDoNotCompileOrLinkAreNamed) {
+    for (const char* define : {"#define FLAT\n", "#define DISCS\n", "gl_FrontFacing", "gl_Position"}) {
+        gl.driver().refused_shader = define;
+        const auto made = Renderer::create();
+        ASSERT_FALSE(made) << define;
+        EXPECT_EQ(made.error().code, ErrorCode::internal);
+        EXPECT_EQ(made.error().message, "shader: refused");
+        EXPECT_EQ(gl.record().deleted, gl.record().created);
+    }
+    gl.driver().refused_shader.clear();
+    gl.driver().links = false;
+    const auto made = Renderer::create();
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().message, "shader program does not link");
+}
+
+TEST_F(DriversTest, AnOlderContextOrNoneIsUnavailable) {
+    gl.driver().version = 20;
+    const auto old = Renderer::create();
+    ASSERT_FALSE(old);
+    EXPECT_EQ(old.error().code, ErrorCode::unavailable);
+    while (glGetError() != GL_NO_ERROR) continue;
+}
+
+TEST_F(DriversTest, FramebuffersThatADriverDoesNotCompleteAreAnErrorOfThePicture) {
+    create();
+    gl.driver().completes_framebuffers = false;
+    const auto refused = renderer->draw(from_front, small);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::limit_exceeded);
+    gl.driver().completes_framebuffers = true;
+    EXPECT_TRUE(renderer->draw(from_front, small));
+}
+
+TEST_F(DriversTest, ErrorsOfOthersAreNotTheRenderers) {
+    create();
+    glActiveTexture(GL_TEXTURE0 + 31);
+    EXPECT_TRUE(renderer->upload(everything()));
+    glActiveTexture(GL_TEXTURE0 + 31);
+    EXPECT_EQ(draws_of().size(), 2u);
+    gl.record().misuses.clear();
+}
+
+TEST_F(DriversTest, SmallLimitsOfADriverAreKept) {
+    gl.driver().max_side = 64;
+    gl.driver().max_texture_side = 16;
+    gl.driver().max_samples = 2;
+    create();
+    EXPECT_EQ(renderer->draw(from_front, {.width = 65, .height = 8}).error().code, ErrorCode::limit_exceeded);
+    EXPECT_TRUE(renderer->draw(from_front, {.width = 64, .height = 64, .samples = 8}));  // with those that there are
+    const auto uploaded = renderer->upload(everything());
+    ASSERT_TRUE(uploaded);
+    EXPECT_EQ(uploaded->texture_bytes, 0u);
+    ASSERT_EQ(uploaded.warnings.size(), 1u);
+    EXPECT_THAT(uploaded.warnings[0], HasSubstr("larger than the driver"));
+}
+
+TEST_F(DriversTest, WithoutSampleMasksExposuresAreUnsupportedAndOneMomentIsDrawn) {
+    gl.driver().version = 30;
+    create();
+    ASSERT_TRUE(renderer->upload(everything()));
+    DrawOptions options = small;
+    options.samples = 4;
+    EXPECT_EQ(draws_of(from_front, options).size(), 2u);
+    options.earlier = {from_front};
+    EXPECT_EQ(renderer->draw(from_front, options).error().code, ErrorCode::unsupported);
+    EXPECT_EQ(draws_of().size(), 2u);
+}
+
+TEST_F(DriversTest, ExposuresShareTheSamplesBetweenThem) {
+    create();
+    ASSERT_TRUE(renderer->upload(content_of(testing::sphere(8), Shading::gouraud)));
+    DrawOptions options = small;
+    options.samples = 4;
+    options.earlier = {from_front, from_front};
+    const std::vector<GlDraw> draws = draws_of(from_front, options);
+    ASSERT_EQ(draws.size(), 3u);
+    EXPECT_EQ(draws[0].samples, 0b1001u);
+    EXPECT_EQ(draws[1].samples, 0b0010u);
+    EXPECT_EQ(draws[2].samples, 0b0100u);
+    EXPECT_THAT(draws_of(), Each(::testing::Field(&GlDraw::samples, ~0u)));  // the mask does not outlive its frame
+    options.earlier.assign(3, from_front);
+    gl.driver().max_samples = 2;  // of a driver that has fewer than were asked for
+    renderer.reset();
+    create();
+    EXPECT_EQ(renderer->draw(from_front, options).error().code, ErrorCode::unsupported);
+}
+
+TEST_F(DriversTest, DiscsAreShadedByTheSampleWhereTheDriverCanAndWidenedElsewhere) {
+    DrawOptions options = small;
+    options.samples = 4;
+    for (const int version : {30, 31, 32}) {
+        gl.driver().version = version;
+        create();
+        ASSERT_TRUE(renderer->upload(cloud()));
+        const GlDraw many = draws_of(from_front, options).at(0), one = draws_of().at(0);
+        EXPECT_EQ(many.shades_samples, version >= 32);
+        EXPECT_EQ(many.uniforms.at("u_disc")[2], version >= 32 ? 0.0f : 1.0f);
+        EXPECT_FALSE(one.shades_samples);
+        EXPECT_EQ(one.uniforms.at("u_disc")[2], 0.0f);
+        ASSERT_TRUE(renderer->upload(everything()));
+        EXPECT_THAT(draws_of(from_front, options), Each(::testing::Field(&GlDraw::shades_samples, false)));
+        renderer.reset();
+    }
+}
+
+TEST_F(DriversTest, WhatIsDrawnIsTheLevelWithItsMaterials) {
+    create();
+    ASSERT_TRUE(renderer->upload(everything()));
+    const std::vector<GlDraw> draws = draws_of();
+    ASSERT_EQ(draws.size(), 2u);
+    EXPECT_FALSE(draws[0].blends);
+    EXPECT_TRUE(draws[0].writes_depth);
+    EXPECT_TRUE(draws[1].blends);
+    EXPECT_FALSE(draws[1].writes_depth);
+    for (const GlDraw& draw : draws) {
+        EXPECT_TRUE(draw.tests_depth);
+        EXPECT_EQ(draw.count, 3 * 112);
+        EXPECT_THAT(draw.vertices.at("a_color"), Each(Vec4f(1, 0, 0, 1)));
+        for (const Vec4f& p : draw.vertices.at("a_position")) EXPECT_LE(length(Vec3f(p)), 1.0f + 1e-6f);
+    }
+    EXPECT_NE(draws[0].textures[0], draws[1].textures[0]);  // the image, and white
+    EXPECT_EQ(draws[0].textures[1], draws[1].textures[1]);
+}
+
+// A flat face is lit at its last corner, which needs the other two; whoever drives it may take no other for them.
+TEST_F(DriversTest, EveryFlatFaceFindsItsCornersAtTheProvokingVertex) {
+    create();
+    mesh::Mesh mesh = testing::grid(5, [](double x, double z) { return std::sin(x) * z; });
+    ASSERT_TRUE(renderer->upload(content_of(mesh, Shading::flat)));
+    const View view = shading::framing_view(world_bounds(content_of(mesh, Shading::flat)));
+    const GlDraw draw = draws_of(view).at(0);
+    const auto& positions = draw.vertices.at("a_position");
+    ASSERT_EQ(positions.size(), 150u);
+    for (std::size_t corner = 0; corner < positions.size(); corner += 3) {
+        EXPECT_EQ(draw.vertices.at("a_first_corner")[corner + 2], positions[corner]);
+        EXPECT_EQ(draw.vertices.at("a_previous_corner")[corner + 2], positions[corner + 1]);
+    }
+}
+
+TEST_F(DriversTest, AMovedBorderDrawsEveryTriangleOnceAndUploadsNothing) {
+    create();
+    const MovableLevel level = *movable_level(content_of(testing::sphere(8), Shading::gouraud));
+    ASSERT_TRUE(renderer->upload(level));
+    std::vector<Vec4f> all = draws_of().at(0).vertices.at("a_position");
+    const std::uint64_t uploads = gl.record().uploads;
+    for (const std::uint64_t gouraud : {std::uint64_t{1}, std::uint64_t{40}, std::uint64_t{111}}) {
+        renderer->move_split(gouraud);
+        const std::vector<GlDraw> draws = draws_of();
+        ASSERT_EQ(draws.size(), 2u);
+        EXPECT_EQ(draws[0].count, static_cast<GLsizei>(3 * gouraud));
+        EXPECT_EQ(draws[1].count, static_cast<GLsizei>(3 * (112 - gouraud)));
+        EXPECT_TRUE(draws[1].vertices.contains("a_first_corner"));
+        const auto& smooth = draws[0].vertices.at("a_position");
+        EXPECT_TRUE(std::equal(smooth.begin(), smooth.end(), all.begin()));  // a prefix, in the same order
+        Vec4f sum{0.0f};
+        for (const GlDraw& draw : draws)
+            for (const Vec4f& p : draw.vertices.at("a_position")) sum += p;
+        for (const Vec4f& p : all) sum -= p;
+        EXPECT_NEAR(length(Vec3f(sum)), 0.0f, 1e-4f);
+    }
+    EXPECT_EQ(gl.record().uploads, uploads);
+}
+
+TEST_F(DriversTest, TwoRenderersDrawTheSameSideBySideAsAlone) {
+    create();
+    ASSERT_TRUE(renderer->upload(everything()));
+    DrawOptions options = small;
+    options.samples = 4;
+    const std::vector<GlDraw> alone = draws_of(from_front, options);
+    auto second = Renderer::create();
+    ASSERT_TRUE(second);
+    ASSERT_TRUE(second->upload(cloud()));
+    options.earlier = {from_front};
+    ASSERT_TRUE(second->draw(from_front, options));
+    options.earlier.clear();
+    EXPECT_EQ(draws_of(from_front, options), alone);
+    ASSERT_TRUE(second->draw(from_front, options));  // without normals: those of the constant attribute
+    EXPECT_EQ(draws_of(from_front, options), alone);
+}
+
+TEST_F(DriversTest, ACloudWithoutNormalsReadsNoneOfAnother) {
+    create();
+    codec::Points facing = cloud();
+    facing.cloud.normals.assign(3, Vec3f{0, 0, 1});
+    ASSERT_TRUE(renderer->upload(facing));
+    EXPECT_THAT(draws_of().at(0).vertices.at("a_normal"), Each(Vec4f(0, 0, 1, 1)));
+    ASSERT_TRUE(renderer->upload(cloud()));
+    EXPECT_THAT(draws_of().at(0).vertices.at("a_normal"), Each(Vec4f(0, 0, 0, 1)));
+}
+
+TEST_F(DriversTest, ContextsInTurnKeepTheirObjectsApart) {
+    create();
+    ASSERT_TRUE(renderer->upload(everything()));
+    {
+        RecordingGl other;
+        auto second = Renderer::create();
+        ASSERT_TRUE(second);
+        ASSERT_TRUE(second->upload(cloud()));
+        ASSERT_TRUE(second->draw(from_front, small));
+        EXPECT_THAT(other.record().misuses, IsEmpty());
+    }
+    EXPECT_EQ(Renderer::create().error().code, ErrorCode::unavailable);  // no context is current
+    gl.make_current();
+    EXPECT_EQ(draws_of().size(), 2u);
+}
+
+}  // namespace
+}  // namespace lodestream::render
