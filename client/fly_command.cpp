@@ -1,5 +1,6 @@
 #include "client/fly_command.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 
@@ -64,13 +65,16 @@ Result<std::optional<fly::PlanFollower>> plan_of(const FlyArguments& arguments, 
     return std::optional<fly::PlanFollower>(*std::move(follower));
 }
 
-Result<std::vector<control::FlownFrame>> fly_scenery(render::Renderer& renderer, const fly::Scenery& scenery,
-                                                     const motion::Trace& trace, fly::PilotOptions& options) {
-    auto frames = fly::fly(renderer, scenery, trace, options);
-    if (frames || frames.error().code != ErrorCode::unsupported || !options.control.blur.enabled) return frames;
-    std::fprintf(stderr, "lodestream-client: no motion blur: %s\n", frames.error().message.c_str());
+// One frame of the most exposures tells whether the driver has them.
+Status check_blur(render::Renderer& renderer, const fly::Scenery& scenery, fly::PilotOptions& options) {
+    if (!options.control.blur.enabled) return Nothing{};
+    const std::vector<motion::Pose> poses(control::max_exposures);
+    const auto blurred = fly::picture(renderer, scenery, scenery.levels.size() - 1, poses, options.screen);
+    if (blurred) return Nothing{};
+    if (blurred.error().code != ErrorCode::unsupported) return blurred.error();
+    std::fprintf(stderr, "lodestream-client: no motion blur: %s\n", blurred.error().message.c_str());
     options.control.blur.enabled = false;
-    return fly::fly(renderer, scenery, trace, options);
+    return Nothing{};
 }
 
 void print_line(const FlyArguments& arguments, const control::FlightSummary& flown) {
@@ -80,6 +84,19 @@ void print_line(const FlyArguments& arguments, const control::FlightSummary& flo
         arguments.asset.c_str(), arguments.controller.c_str(), flown.frames, flown.average_fps, flown.worst_fps,
         flown.deviation_fps, 100.0 * flown.within_deadline, 1000.0 / arguments.target_fps, flown.switches,
         flown.mean_error_px, arguments.out.string().c_str());
+}
+
+void print_splits(const std::vector<fly::SplitFrame>& splits) {
+    std::size_t moved = 0;
+    double bound = 0.0, change = 0.0;
+    for (std::size_t i = 1; i < splits.size(); ++i) {
+        moved += splits[i].bound_steps > 0.0 ? 1 : 0;
+        bound = std::max(bound, splits[i].bound_steps);
+        change = std::max(change, splits[i].change_steps);
+    }
+    std::printf(
+        "border between Gouraud and flat: moved in %zu frames, each by at most %.3f of 255 steps (bound %.3f)\n", moved,
+        change, bound);
 }
 
 void print_plans(const fly::PlanSummary& plans) {
@@ -92,14 +109,24 @@ void print_plans(const fly::PlanSummary& plans) {
 
 }  // namespace
 
-std::string to_csv(const std::vector<control::FlownFrame>& frames) {
-    std::string out = "t_s,frame_ms,level,triangles,speed_deg_s,error_px,switched\n";
-    for (const control::FlownFrame& frame : frames) {
-        char row[192];
-        std::snprintf(row, sizeof row, "%.6f,%.4f,%u,%llu,%.4f,%.4f,%d\n", frame.t_s, frame.frame_ms, frame.level,
+std::string to_csv(const std::vector<control::FlownFrame>& frames, const std::vector<fly::SplitFrame>& splits) {
+    const bool has_splits = !frames.empty() && splits.size() == frames.size();
+    std::string out = "t_s,frame_ms,level,triangles,speed_deg_s,error_px,switched";
+    out += has_splits ? ",gouraud_triangles,split_bound_steps,split_change_steps\n" : "\n";
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        const control::FlownFrame& frame = frames[i];
+        char cells[192];
+        std::snprintf(cells, sizeof cells, "%.6f,%.4f,%u,%llu,%.4f,%.4f,%d", frame.t_s, frame.frame_ms, frame.level,
                       static_cast<unsigned long long>(frame.triangles), frame.speed_deg_s, frame.error_px,
                       frame.switched ? 1 : 0);
-        out += row;
+        out += cells;
+        if (has_splits) {
+            std::snprintf(cells, sizeof cells, ",%llu,%.6f,%.6f",
+                          static_cast<unsigned long long>(splits[i].gouraud_triangles), splits[i].bound_steps,
+                          splits[i].change_steps);
+            out += cells;
+        }
+        out += '\n';
     }
     return out;
 }
@@ -111,8 +138,11 @@ Status fly(const FlyArguments& arguments) {
     if (!trace) return trace.error();
     auto client = sdk::Client::open(arguments.server);
     if (!client) return client.error();
-    const auto scenery = fly::fetch_scenery(*client, arguments.asset);
+    auto scenery = fly::fetch_scenery(*client, arguments.asset);
     if (!scenery) return scenery.error();
+    const bool is_hybrid = arguments.shading == "hybrid";
+    if (is_hybrid)
+        if (auto made = fly::make_movable(*scenery); !made) return made;
     auto context = render::create_headless_context();
     if (!context) return context.error();
     auto renderer = render::Renderer::create();
@@ -122,6 +152,7 @@ Status fly(const FlyArguments& arguments) {
     options.kind = *kind;
     options.control.target_fps = arguments.target_fps;
     options.control.blur.enabled = arguments.blur;
+    options.split.max_change = arguments.split_bound_steps / 255.0;
     options.screen = {arguments.width, arguments.height, arguments.fov_y_deg};
     if (arguments.frames) {
         if (auto made = make_folder(*arguments.frames); !made) return made;
@@ -134,10 +165,15 @@ Status fly(const FlyArguments& arguments) {
     if (!plan) return plan.error();
     if (*plan)
         options.budget = [&](const std::optional<control::DrawnFrame>& before) { return (*plan)->budget(before); };
-    const auto frames = fly_scenery(*renderer, *scenery, *trace, options);
+    if (*plan) options.distance_steps = [&] { return (*plan)->distance_steps(); };
+    std::vector<fly::SplitFrame> splits;
+    if (is_hybrid) options.on_split = [&](const fly::SplitFrame& split) { splits.push_back(split); };
+    if (auto checked = check_blur(*renderer, *scenery, options); !checked) return checked;
+    const auto frames = fly::fly(*renderer, *scenery, *trace, options);
     if (!frames) return frames.error();
-    if (auto written = write_text(arguments.out, to_csv(*frames)); !written) return written;
+    if (auto written = write_text(arguments.out, to_csv(*frames, splits)); !written) return written;
     print_line(arguments, control::summarize(*frames, options.control));
+    if (is_hybrid) print_splits(splits);
     if (*plan) print_plans((*plan)->finish());
     return Nothing{};
 }

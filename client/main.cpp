@@ -103,10 +103,25 @@ int run(int argc, char** argv) {
     fly_app->add_option("--fov", fly.fov_y_deg, "Vertical field of view, degrees")
         ->capture_default_str()
         ->check(CLI::Range(shading::min_fov_deg, shading::max_fov_deg));
+    CLI::Option* fly_shading = fly_app->add_option(
+        "--shading", fly.shading,
+        "hybrid: how many triangles of a level are Gouraud shaded follows the viewer's distance, without a download; "
+        "gouraud: all");
+    fly_shading->capture_default_str()->check(CLI::IsMember({"gouraud", "hybrid"}));
+    fly_app
+        ->add_option("--split-bound", fly.split_bound_steps,
+                     "The most that hybrid may change a picture by moving the border in one frame, whatever the light: "
+                     "root mean square, in steps of 255")
+        ->capture_default_str()
+        ->check(CLI::Range(0.01, 255.0))
+        ->needs(fly_shading);
     fly_app->add_flag("!--no-blur", fly.blur, "No motion blur: one exposure a frame however fast the view turns");
     fly_app->footer(
-        "Example:\n  lodestream-client fly --server http://127.0.0.1:8080 --asset teapot --motion builtin:reversal \\\n"
-        "      --controller isblc --target-fps 30 --out flight.csv");
+        "Examples:\n  lodestream-client fly --server http://127.0.0.1:8080 --asset teapot \\\n"
+        "      --motion builtin:reversal --controller isblc --target-fps 30 --out flight.csv\n"
+        "  printf 't_s,x,y,z,yaw_deg,pitch_deg\\n0,0,2,8,0,0\\n3,0,2,90,0,0\\n' > away.csv\n"
+        "  lodestream-client fly --server http://127.0.0.1:8080 --asset teapot --motion away.csv --shading hybrid \\\n"
+        "      --out flight.csv");
     fly_app->callback([&] { command = [&] { return client::fly(fly); }; });
 
     report::ReportOptions report;

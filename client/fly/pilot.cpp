@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -34,6 +35,10 @@ Result<render::Frame> draw(render::Renderer& renderer, const shading::View& home
     return renderer.draw(view_of(home, poses.back()), options);
 }
 
+Result<render::UploadStatistics> put(render::Renderer& renderer, const SceneryLevel& level) {
+    return level.movable ? renderer.upload(*level.movable) : renderer.upload(level.content);
+}
+
 // Draws what the loop asks for and keeps the level that is on the GPU.
 class Pilot {
   public:
@@ -44,29 +49,82 @@ class Pilot {
           home_(default_view(scenery, options.screen.fov_y_deg)) {}
 
     Result<control::FrameOutcome> draw_frame(const control::FrameRequest& request) {
+        const SceneryLevel& level = scenery_.levels[request.level];
+        const shading::View view = view_of(home_, request.poses.back());
         double upload_ms = 0.0;
         if (level_ != request.level) {
             const auto start = Clock::now();
-            if (auto put = renderer_.upload(scenery_.levels[request.level].content); !put) return put.error();
+            if (auto there = put(renderer_, level); !there) return there.error();
             if (level_) upload_ms = ms_since(start);  // the first one is there before the flight begins
+            enter(level);
             level_ = request.level;
         }
+        const BorderMove move = level.movable ? move_border(*level.movable, view) : BorderMove{};
         auto frame = draw(renderer_, home_, options_.screen, request.poses);
         if (!frame) return frame.error();
         if (options_.on_frame)
             if (auto taken = options_.on_frame(frame->image, request); !taken) return taken.error();
-        const shading::View view = view_of(home_, request.poses.back());
+        if (level.movable && options_.on_split)
+            if (auto told = tell_split(move, *level.movable, request, frame->image); !told) return told.error();
         const double pixels = shading::pixels_per_unit(view, scenery_.bounds, display_of(options_.screen));
-        return control::FrameOutcome{upload_ms + frame->frame_ms, 0.0,
-                                     scenery_.levels[request.level].max_error * pixels};
+        return control::FrameOutcome{upload_ms + frame->frame_ms, 0.0, level.max_error * pixels};
     }
 
   private:
+    struct BorderMove {
+        std::uint64_t before = 0, after = 0;  // Gouraud triangles
+        double squared_change = 0.0;          // the bound, model units²
+        double pixels_per_unit = 0.0;         // at the level's nearest point
+    };
+
+    // The border keeps its share of the triangles from level to level.
+    void enter(const SceneryLevel& level) {
+        if (!level.movable) return;
+        if (split_) split_ = shading::on_level(*split_, triangles_, level.movable->triangles());
+        triangles_ = level.movable->triangles();
+        bounds_ = render::world_bounds(level.movable->content);
+    }
+
+    BorderMove move_border(const render::MovableLevel& level, const shading::View& view) {
+        const budget::Display display = display_of(options_.screen);
+        const double distance = shading::continuous_distance(view, bounds_, display);
+        const std::uint32_t steps = options_.distance_steps ? options_.distance_steps() : shading::max_distance_steps;
+        if (!split_) split_ = shading::settled_split(distance, steps, triangles_);
+        const std::uint64_t before = split_->gouraud;
+        const shading::SplitMove move =
+            shading::move_split(*split_, distance, steps, {level.difference_left, level.radius}, options_.split);
+        split_ = move.state;
+        renderer_.move_split(split_->gouraud);
+        return {before, split_->gouraud, move.squared_change, shading::pixels_per_unit(view, bounds_, display)};
+    }
+
+    Status tell_split(const BorderMove& move, const render::MovableLevel& level, const control::FrameRequest& request,
+                      const render::Image& shown) {
+        SplitFrame split{move.after, 0.0, 0.0};
+        if (move.before != move.after) {
+            renderer_.move_split(move.before);
+            const auto before = draw(renderer_, home_, options_.screen, request.poses);
+            renderer_.move_split(move.after);
+            if (!before) return before.error();
+            const auto difference = render::compare(before->image, shown);
+            if (!difference) return difference.error();
+            const double radius_px = level.radius * move.pixels_per_unit;
+            split.bound_steps = 255.0 * std::sqrt(move.squared_change / pi) / level.radius;
+            split.change_steps =
+                difference->rms * std::sqrt(static_cast<double>(difference->compared_pixels) / pi) / radius_px;
+        }
+        options_.on_split(split);
+        return Nothing{};
+    }
+
     render::Renderer& renderer_;
     const Scenery& scenery_;
     const PilotOptions& options_;
     shading::View home_;
     std::optional<std::uint32_t> level_;
+    std::optional<shading::SplitState> split_;  // of a movable level
+    std::uint64_t triangles_ = 0;               // likewise
+    Box bounds_;                                // likewise, world axes
 };
 
 double positive(double ms) {
@@ -97,7 +155,7 @@ Result<LevelTimes> time_level(render::Renderer& renderer, const Scenery& scenery
     LevelTimes times{0.0, std::numeric_limits<double>::infinity()};
     for (int i = 0; i < timed_runs; ++i) {
         const auto start = Clock::now();
-        if (auto put = renderer.upload(scenery.levels[level].content); !put) return put.error();
+        if (auto there = put(renderer, scenery.levels[level]); !there) return there.error();
         times.upload_ms = std::min(times.upload_ms, ms_since(start));
     }
     const auto draw_ms = time_frame(renderer, scenery, {motion::Pose{}}, screen);
@@ -146,7 +204,7 @@ Result<std::vector<control::FlownFrame>> fly(render::Renderer& renderer, const S
 
 Result<render::Image> picture(render::Renderer& renderer, const Scenery& scenery, std::size_t level,
                               const std::vector<motion::Pose>& poses, const Screen& screen) {
-    if (auto put = renderer.upload(scenery.levels[level].content); !put) return put.error();
+    if (auto there = put(renderer, scenery.levels[level]); !there) return there.error();
     auto frame = draw(renderer, default_view(scenery, screen.fov_y_deg), screen, poses);
     if (!frame) return frame.error();
     return std::move(frame->image);

@@ -12,6 +12,7 @@
 #include "common/base/result.h"
 #include "common/control/flight.h"
 #include "common/motion/motion.h"
+#include "common/shading/split_control.h"
 
 namespace lodestream::fly {
 
@@ -25,6 +26,14 @@ struct Screen {
 
 budget::Display display_of(const Screen& screen);
 
+// Of a frame over levels whose border between Gouraud and flat moves with the viewer's distance. Changes are in 8-bit
+// steps, the root mean square over a disc as large as the level's bounding sphere at its nearest point.
+struct SplitFrame {
+    std::uint64_t gouraud_triangles = 0;
+    double bound_steps = 0.0;   // on what moving the border may have changed in the picture
+    double change_steps = 0.0;  // what it did change: drawn a second time, with the border where it was before
+};
+
 struct PilotOptions {
     control::Kind kind = control::Kind::predictive;
     control::Options control;
@@ -32,6 +41,12 @@ struct PilotOptions {
     // Called with every frame, outside its time; a failure ends the flight. Empty: none.
     std::function<Status(const render::Image&, const control::FrameRequest&)> on_frame;
     std::function<double(const std::optional<control::DrawnFrame>&)> budget{};  // of control::Flight
+    // Where the levels are movable: called with every frame, outside its time. Empty: none, and nothing is measured.
+    std::function<void(const SplitFrame&)> on_split{};
+    // The bound holds under any light, so what shows is a small part of it: with four steps the border crosses a level
+    // in two to four seconds of 60 frames.
+    shading::SplitControlOptions split{.max_change = 4.0 / 255.0};
+    std::function<std::uint32_t()> distance_steps{};  // of the coming frame's border; empty: max_distance_steps
 };
 
 // What the renderer needs for this scenery on this screen: a few frames and uploads each of the finest and coarsest

@@ -64,6 +64,11 @@ void PlanFollower::take(const proto::PlanResponse& plan) {
     ++summary_.plans;
     summary_.last_triangles = plan.budget.triangles;
     summary_.limited_by = plan.budget.limited_by;
+    summary_.last_dlr = plan.dlr;
+}
+
+std::uint32_t PlanFollower::distance_steps() const {
+    return shading::distance_steps(summary_.last_dlr);
 }
 
 PlanSummary PlanFollower::finish() {

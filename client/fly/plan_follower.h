@@ -21,6 +21,7 @@ struct PlanSummary {
     std::uint32_t plans = 0;
     std::uint64_t first_triangles = 0, last_triangles = 0;  // the budgets
     std::string limited_by;                                 // of the last one
+    double last_dlr = 0.0;                                  // Device Level Ratio, likewise
     std::uint32_t failures = 0;                             // asked in vain; the plan before goes on
     std::string last_failure;
 };
@@ -34,6 +35,9 @@ class PlanFollower {
 
     // Triangles that the coming frame may have; control::Flight::budget.
     double budget(const std::optional<control::DrawnFrame>& before);
+
+    // In how many steps the border between Gouraud and flat moves with the distance, by the last plan.
+    std::uint32_t distance_steps() const;
 
     // Waits for a plan that is under way.
     PlanSummary finish();

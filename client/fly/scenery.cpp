@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "client/render/renderer.h"
 
@@ -56,6 +57,15 @@ Result<Scenery> fetch_scenery(sdk::Client& client, const std::string& id_or_name
     }
     scenery.bounds = render::world_bounds(scenery.levels.front().content);
     return scenery;
+}
+
+Status make_movable(Scenery& scenery) {
+    for (SceneryLevel& level : scenery.levels) {
+        auto movable = render::movable_level(std::exchange(level.content, {}));
+        if (!movable) return movable.error();
+        level.movable = *std::move(movable);
+    }
+    return Nothing{};
 }
 
 Scenery chosen(const Scenery& scenery, const std::vector<std::size_t>& indices) {

@@ -1,9 +1,11 @@
 // What is flown over: an asset's ladder, fetched and decoded, and where its viewer stands.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "client/render/movable_level.h"
 #include "client/sdk/client.h"
 #include "common/base/result.h"
 #include "common/codec/level_codec.h"
@@ -17,6 +19,7 @@ struct SceneryLevel {
     codec::Decoded content;
     std::uint64_t triangles = 0;
     double max_error = 0.0;  // model units, of the ladder; never less than that of the level before
+    std::optional<render::MovableLevel> movable{};  // drawn in place of the content, which is then empty
 };
 
 struct Scenery {
@@ -31,6 +34,9 @@ inline constexpr std::uint64_t all_triangles = ~0ull;
 // Errors: not_found, unavailable (not baked), those of the client.
 Result<Scenery> fetch_scenery(sdk::Client& client, const std::string& id_or_name,
                               std::uint64_t max_triangles = all_triangles);
+
+// Lets the border between Gouraud and flat move in every level. Errors: those of render::movable_level().
+Status make_movable(Scenery& scenery);
 
 // A scenery of the given levels alone. pre: indices rise and are below levels.size(), at least one
 Scenery chosen(const Scenery& scenery, const std::vector<std::size_t>& indices);

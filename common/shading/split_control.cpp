@@ -40,6 +40,12 @@ SplitState settled_split(double continuous_distance, std::uint32_t steps, std::u
     return {step, gouraud_count(triangles, static_cast<double>(step) / count)};
 }
 
+SplitState on_level(const SplitState& state, std::uint64_t triangles_before, std::uint64_t triangles) {
+    const double flat = 1.0 - static_cast<double>(std::min(state.gouraud, triangles_before)) /
+                                  static_cast<double>(std::max<std::uint64_t>(triangles_before, 1));
+    return {state.step, gouraud_count(triangles, flat)};
+}
+
 SplitMove move_split(const SplitState& state, double continuous_distance, std::uint32_t steps, const SplitCurve& curve,
                      const SplitControlOptions& options) {
     SplitMove move{state, 0.0};

@@ -39,6 +39,9 @@ struct SplitMove {
 // The state with the border where it belongs at once: for the first frame.
 SplitState settled_split(double continuous_distance, std::uint32_t steps, std::uint64_t triangles);
 
+// The state on another level: the same step, and the same share of its triangles.
+SplitState on_level(const SplitState& state, std::uint64_t triangles_before, std::uint64_t triangles);
+
 // One frame. `continuous_distance` is view.h's, `steps` the device's. Finite for any input; O(log n).
 SplitMove move_split(const SplitState& state, double continuous_distance, std::uint32_t steps, const SplitCurve& curve,
                      const SplitControlOptions& options = {});

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -97,6 +98,35 @@ TEST(FlyProgram, KeepsToAPlanWhereADeviceIsGiven) {
     const Ended refused = run(common + " --device " + device.string());
     EXPECT_EQ(refused.code, 1);
     EXPECT_THAT(refused.output, HasSubstr("device.json: device.cpu_mhz"));
+}
+
+// One level, fetched once: the border alone moves while the viewer goes away, and the picture changes within the bound.
+TEST(FlyProgram, MovesTheBorderBetweenGouraudAndFlatWithTheDistance) {
+    const testing::TemporaryFolder folder;
+    const testing::ServerProgram server(LODESTREAM_SERVER, baked_teapot(folder));
+    const fs::path motion = folder.path() / "away.csv", out = folder.path() / "flight.csv";
+    std::ofstream(motion) << "0,0,0,2,0,0\n2,0,0,30,0,0\n";
+    const Ended flown = run(LODESTREAM_CLIENT " fly --server " + server.url + " --asset teapot --motion " +
+                            motion.string() + " --controller none --shading hybrid --split-bound 6 --target-fps 30 " +
+                            "--width 160 --height 120 --out " + out.string());
+    ASSERT_EQ(flown.code, 0) << flown.output;
+    EXPECT_THAT(flown.output, HasSubstr("border between Gouraud and flat: moved in "));
+    const std::vector<std::string> lines = lines_of(out);
+    ASSERT_GE(lines.size(), 20u);
+    EXPECT_EQ(lines[0],
+              "t_s,frame_ms,level,triangles,speed_deg_s,error_px,switched,"
+              "gouraud_triangles,split_bound_steps,split_change_steps");
+    double largest_change = 0.0;
+    for (std::size_t i = 1; i < lines.size(); ++i) {
+        const std::vector<double> row = numbers_of(lines[i]);
+        ASSERT_EQ(row.size(), 10u) << lines[i];
+        EXPECT_EQ(row[2], 0.0);
+        EXPECT_EQ(row[6], 0.0);
+        EXPECT_LE(row[9], row[8]) << lines[i];
+        largest_change = std::max(largest_change, row[9]);
+    }
+    EXPECT_LT(numbers_of(lines.back())[7], 0.8 * numbers_of(lines[1])[7]);
+    EXPECT_GT(largest_change, 0.0);
 }
 
 TEST(FlyProgram, SaysWhatIsWrongInOneLine) {

@@ -45,6 +45,16 @@ TEST(SplitControl, AStepHoldsUntilItsEdgeIsPassedByTheMargin) {
     EXPECT_EQ(state.gouraud, gouraud_count(triangles, 0.5));
 }
 
+TEST(SplitControl, AnotherLevelKeepsTheStepAndTheShare) {
+    EXPECT_EQ(on_level({3, 500}, 1000, 80).gouraud, 40u);
+    EXPECT_EQ(on_level({3, 500}, 1000, 80).step, 3u);
+    EXPECT_EQ(on_level({0, 1000}, 1000, 7).gouraud, 7u);
+    EXPECT_EQ(on_level({8, 0}, 1000, 7).gouraud, 0u);
+    EXPECT_EQ(on_level({0, 9}, 3, 10).gouraud, 10u);
+    EXPECT_EQ(on_level({0, 0}, 0, 10).gouraud, 0u);
+    EXPECT_EQ(on_level({0, 5}, 5, 0).gouraud, 0u);
+}
+
 TEST(SplitControl, JitterAtAnEdgeChangesTheStepOnce) {
     const std::vector<double> left = falling_curve();
     SplitState state = settled_split(0.25, steps, triangles);
