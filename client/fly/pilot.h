@@ -44,7 +44,7 @@ struct PilotOptions {
     // Where the levels are movable: called with every frame, outside its time. Empty: none, and nothing is measured.
     std::function<void(const SplitFrame&)> on_split{};
     // The bound holds under any light, so what shows is a small part of it: with four steps the border crosses a level
-    // in two to four seconds of 60 frames.
+    // in one to four seconds of 60 frames.
     shading::SplitControlOptions split{.max_change = 4.0 / 255.0};
     std::function<std::uint32_t()> distance_steps{};  // of the coming frame's border; empty: max_distance_steps
 };

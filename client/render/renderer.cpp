@@ -33,8 +33,11 @@ struct Program {
           emissive = -1, alpha_cutoff = -1, disc = -1;
 };
 
-enum class Style : std::uint8_t { gouraud, flat, discs };
-constexpr std::size_t styles = 3;
+enum class Style : std::uint8_t { gouraud, flat, points, quads };  // the last two of discs
+constexpr std::size_t styles = 4;
+constexpr double largest_disc_radius = 1e6;  // of the cloud's own; keeps what is worked out from it finite
+constexpr float largest_quad_px = 1e6f;      // what is larger fills the picture
+constexpr double least_cut_px = 4.0;         // smaller discs with their centre outside the picture may be left out
 
 // What one draw call needs.
 struct Batch {
@@ -42,7 +45,7 @@ struct Batch {
     std::uint32_t material = 0;
     GLuint vertex_array = 0;
     std::vector<GLuint> buffers;
-    GLsizei first = 0, corners = 0;  // the range of the indices, or of the points, that is drawn
+    GLsizei first = 0, corners = 0;  // the range of the indices, or the points
     Vec3d center{0.0};
     std::shared_ptr<const std::vector<std::uint32_t>> places;  // of a movable level's triangles in its order; else null
 };
@@ -186,7 +189,7 @@ std::uint64_t fill(Batch& batch, const Streams& streams) {
         bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.normals);
         attribute(location_normal_or_previous, 3, GL_FLOAT, false, corner, 0);
     }
-    if (batch.style != Style::discs) bytes += add_buffer(batch, GL_ELEMENT_ARRAY_BUFFER, streams.indices);
+    if (batch.style != Style::points) bytes += add_buffer(batch, GL_ELEMENT_ARRAY_BUFFER, streams.indices);
     if (!streams.colors.empty()) {
         bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.colors);
         attribute(location_color, 4, GL_UNSIGNED_BYTE, true, sizeof(Rgba8), 0);
@@ -279,11 +282,12 @@ struct Renderer::Impl {
     Vec3d origin{0.0};
     std::vector<points::Level> levels;  // of the cloud, model units
     UploadStatistics uploaded;
-    std::vector<Camera> exposures;  // of the frame at hand, the drawn view last; empty where it has no earlier moments
+    std::vector<Camera> exposures;  // of the frame at hand, the drawn view last
     struct Shown {
         Vec3f offset{0.0f};  // scene coordinates
         GLsizei points = 0;
         float radius = 0.0f;  // of its discs, scene coordinates
+        bool as_quads = false;
     };
     std::vector<Shown> shown;  // the instances of the frame at hand that its picture may show
     Sent sent;                 // of the frame at hand
@@ -311,17 +315,20 @@ struct Renderer::Impl {
     void move_split(std::uint64_t border);
     Status check(const DrawOptions& options) const;
     Status prepare_targets(const DrawOptions& options);
-    void show(const DrawOptions& options, const std::vector<Sphere>& spheres, const Camera& camera);
+    double disc_radius(std::uint64_t points) const;
+    void show(const DrawOptions& options, const std::vector<Sphere>& spheres);
     void set_camera(const Program& program, const Camera& camera, const std::vector<Vec4f>& lights,
                     const shading::Phong& phong) const;
     void bind_texture(GLenum unit, const mesh::TextureReference& reference) const;
     void set_material(const Program& program, const mesh::Material& material) const;
-    void draw_batch(const Program& program, const Batch& batch);
+    void draw_batch(const Program& program, const Batch& batch, Style style);
+    void draw_discs(const Program& program, const Shown& instance);
     Status expose(const shading::View& view, const DrawOptions& options, const Sphere& scene);
-    void draw_exposures(const Program& program, const Batch& batch);
-    bool sees_scene(const Camera& camera) const;
-    void sort_blended(const Camera& camera);
-    void draw_frame(const Camera& camera, const std::vector<Vec4f>& lights, const DrawOptions& options);
+    void draw_exposures(const Program& program, const Batch& batch, Style style);
+    void draw_batch_as(Style style, const Batch& batch);
+    bool needs_quads(const Sphere& centers, double radius, const Camera& camera) const;
+    void sort_blended();
+    void draw_frame(const std::vector<Vec4f>& lights, const DrawOptions& options);
     Image read_back(const DrawOptions& options) const;
 };
 
@@ -329,7 +336,8 @@ Status Renderer::Impl::create() {
     if (!glGetString(GL_VERSION)) return fail(ErrorCode::unavailable, "no OpenGL ES 3 context is current");
     if (driver_version() < 30) return fail(ErrorCode::unavailable, "the current context is not OpenGL ES 3");
     gl_failed();
-    constexpr std::array<const char*, styles> defines{"\n", "#define FLAT\n", "#define DISCS\n"};
+    constexpr std::array<const char*, styles> defines{"\n", "#define FLAT\n", "#define DISCS\n",
+                                                      "#define DISCS\n#define QUADS\n"};
     for (std::size_t i = 0; i < styles; ++i) {
         auto program = link(defines[i]);
         if (!program) return program.error();
@@ -474,7 +482,7 @@ Result<UploadStatistics> Renderer::Impl::upload(const codec::Points& content) {
     uploaded.points = content.cloud.positions.size();
     if (uploaded.points > 0) {
         Batch& batch = batches.emplace_back();
-        batch.style = Style::discs;
+        batch.style = Style::points;
         batch.corners = static_cast<GLsizei>(uploaded.points);
         uploaded.geometry_bytes = fill(batch, disc_streams(content.cloud, placement));
     }
@@ -556,44 +564,71 @@ void Renderer::Impl::set_material(const Program& program, const mesh::Material& 
     blend ? glEnable(GL_BLEND) : glDisable(GL_BLEND);
 }
 
-void Renderer::Impl::draw_batch(const Program& program, const Batch& batch) {
+// Quads read their corners from no buffer, and an attribute once a disc.
+void Renderer::Impl::draw_discs(const Program& program, const Shown& instance) {
+    const float widening = target.samples > 1 && !has_sample_shading ? 1.0f : 0.0f;
+    const float largest_px = instance.as_quads ? largest_quad_px : max_point_px;
+    glUniform4f(program.disc, instance.radius, 0.5f * static_cast<float>(target.height), widening, largest_px);
+    for (const GLuint location : {location_position, location_color, location_normal_or_previous})
+        glVertexAttribDivisor(location, instance.as_quads ? 1 : 0);
+    if (instance.as_quads)
+        glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, instance.points);
+    else
+        glDrawArrays(GL_POINTS, 0, instance.points);
+    sent.points += static_cast<std::uint64_t>(instance.points);
+}
+
+void Renderer::Impl::draw_batch(const Program& program, const Batch& batch, Style style) {
     const auto offset = static_cast<std::uintptr_t>(batch.first) * sizeof(std::uint32_t);
+    const bool is_cloud = batch.style == Style::points;
     glBindVertexArray(batch.vertex_array);
     for (const Shown& instance : shown) {
+        if (is_cloud && instance.as_quads != (style == Style::quads)) continue;
         glUniform3f(program.offset, instance.offset.x, instance.offset.y, instance.offset.z);
         ++sent.draw_calls;
-        if (batch.style != Style::discs) {
-            glDrawElements(GL_TRIANGLES, batch.corners, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset));
-            sent.triangles += static_cast<std::uint64_t>(batch.corners) / 3;
+        if (is_cloud) {
+            draw_discs(program, instance);
             continue;
         }
-        const float widening = target.samples > 1 && !has_sample_shading ? 1.0f : 0.0f;
-        glUniform4f(program.disc, instance.radius, 0.5f * static_cast<float>(target.height), widening, max_point_px);
-        glDrawArrays(GL_POINTS, 0, instance.points);
-        sent.points += static_cast<std::uint64_t>(instance.points);
+        glDrawElements(GL_TRIANGLES, batch.corners, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset));
+        sent.triangles += static_cast<std::uint64_t>(batch.corners) / 3;
     }
+}
+
+// Points are cheaper, but no larger than the driver allows, and gone where their centre is outside the picture.
+bool Renderer::Impl::needs_quads(const Sphere& centers, double radius, const Camera& camera) const {
+    const double largest_px = largest_disc_px(camera, centers, radius, target.height);
+    const Sphere all{centers.center, centers.radius + radius};
+    return largest_px > max_point_px || (largest_px > least_cut_px && !lies_within(camera, all));
+}
+
+// Of a level of the cloud, scene coordinates; 0 of triangles.
+double Renderer::Impl::disc_radius(std::uint64_t points) const {
+    if (levels.empty() || points == 0) return 0.0;
+    return std::min(points::level_of(levels, points).radius / placement.radius, largest_disc_radius);
 }
 
 // Of every exposure: one that only an earlier moment shows is shown.
-void Renderer::Impl::show(const DrawOptions& options, const std::vector<Sphere>& spheres, const Camera& camera) {
+void Renderer::Impl::show(const DrawOptions& options, const std::vector<Sphere>& spheres) {
     shown.clear();
     for (std::size_t i = 0; i < spheres.size(); ++i) {
-        const auto is_seen = [&](const Camera& c) { return may_see(c, spheres[i]); };
-        if (exposures.empty() ? !is_seen(camera) : std::none_of(exposures.begin(), exposures.end(), is_seen)) continue;
         const std::uint64_t points = std::min(options.instances[i].points, uploaded.points);
         if (points == 0 && uploaded.points > 0) continue;
-        const double radius = levels.empty() || points == 0 ? 0.0 : points::level_of(levels, points).radius;
-        shown.push_back(
-            {Vec3f(spheres[i].center), static_cast<GLsizei>(points), static_cast<float>(radius / placement.radius)});
+        const double radius = disc_radius(points);
+        const Sphere all{spheres[i].center, spheres[i].radius + radius};
+        const auto is_seen = [&](const Camera& camera) { return may_see(camera, all); };
+        const auto is_large = [&](const Camera& camera) { return needs_quads(spheres[i], radius, camera); };
+        if (std::none_of(exposures.begin(), exposures.end(), is_seen)) continue;
+        const bool as_quads = points > 0 && std::any_of(exposures.begin(), exposures.end(), is_large);
+        shown.push_back({Vec3f(all.center), static_cast<GLsizei>(points), static_cast<float>(radius), as_quads});
     }
 }
 
-// The cameras of every exposure, where there are several.
+// The cameras of every exposure; several need samples of their own.
 Status Renderer::Impl::expose(const shading::View& view, const DrawOptions& options, const Sphere& scene) {
     exposures.clear();
-    if (options.earlier.empty()) return Nothing{};
     if (options.earlier.size() >= options.samples) return invalid_input("more earlier moments than samples - 1");
-    if (driver_version() < 31 || options.earlier.size() >= target.samples)
+    if (!options.earlier.empty() && (driver_version() < 31 || options.earlier.size() >= target.samples))
         return fail(ErrorCode::unsupported, "the graphics driver cannot give every exposure samples of its own");
     const double aspect = static_cast<double>(options.width) / options.height;
     for (const shading::View& moment : options.earlier) {
@@ -605,8 +640,8 @@ Status Renderer::Impl::expose(const shading::View& view, const DrawOptions& opti
 }
 
 // Every exposure writes to its own samples alone, depth included; resolving them makes the mean.
-void Renderer::Impl::draw_exposures(const Program& program, const Batch& batch) {
-    if (exposures.empty()) return draw_batch(program, batch);
+void Renderer::Impl::draw_exposures(const Program& program, const Batch& batch, Style style) {
+    if (exposures.size() == 1) return draw_batch(program, batch, style);
     glEnable(GL_SAMPLE_MASK);
     for (std::size_t i = 0; i < exposures.size(); ++i) {
         GLbitfield samples = 0;
@@ -615,27 +650,32 @@ void Renderer::Impl::draw_exposures(const Program& program, const Batch& batch) 
         const Camera& camera = exposures[i];
         glUniformMatrix4fv(program.clip_from_scene, 1, GL_FALSE, &camera.clip_from_scene[0][0]);
         glUniform3f(program.eye, camera.eye.x, camera.eye.y, camera.eye.z);
-        if (camera.sees_scene) draw_batch(program, batch);
+        if (camera.sees_scene) draw_batch(program, batch, style);
     }
     glDisable(GL_SAMPLE_MASK);
 }
 
-bool Renderer::Impl::sees_scene(const Camera& camera) const {
-    return camera.sees_scene ||
-           std::any_of(exposures.begin(), exposures.end(), [](const Camera& c) { return c.sees_scene; });
-}
-
 // Blended primitives from back to front by their centres; triangles inside one are not sorted.
-void Renderer::Impl::sort_blended(const Camera& camera) {
+void Renderer::Impl::sort_blended() {
+    const Vec3d& forward = exposures.back().forward;
     const auto first = std::find_if(batches.begin(), batches.end(), [&](const Batch& b) {
         return materials[b.material].alpha_mode == mesh::AlphaMode::blend;
     });
-    std::stable_sort(first, batches.end(), [&](const Batch& a, const Batch& b) {
-        return dot(a.center, camera.forward) > dot(b.center, camera.forward);
-    });
+    std::stable_sort(first, batches.end(),
+                     [&](const Batch& a, const Batch& b) { return dot(a.center, forward) > dot(b.center, forward); });
 }
 
-void Renderer::Impl::draw_frame(const Camera& camera, const std::vector<Vec4f>& lights, const DrawOptions& options) {
+void Renderer::Impl::draw_batch_as(Style style, const Batch& batch) {
+    const Program& program = programs[static_cast<std::size_t>(style)];
+    const bool samples_apart = batch.style == Style::points && target.samples > 1 && has_sample_shading;
+    glUseProgram(program.id);
+    set_material(program, materials[batch.material]);
+    if (samples_apart) glEnable(GL_SAMPLE_SHADING);
+    draw_exposures(program, batch, style);
+    if (samples_apart) glDisable(GL_SAMPLE_SHADING);
+}
+
+void Renderer::Impl::draw_frame(const std::vector<Vec4f>& lights, const DrawOptions& options) {
     const auto width = static_cast<GLint>(options.width), height = static_cast<GLint>(options.height);
     sent = {};
     glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
@@ -647,19 +687,14 @@ void Renderer::Impl::draw_frame(const Camera& camera, const std::vector<Vec4f>& 
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     glClearColor(options.background.r, options.background.g, options.background.b, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    if (sees_scene(camera)) {
-        for (const Program& program : programs) set_camera(program, camera, lights, options.phong);
+    if (!shown.empty()) {
+        for (const Program& program : programs) set_camera(program, exposures.back(), lights, options.phong);
         glVertexAttrib4f(location_color, 1.0f, 1.0f, 1.0f, 1.0f);
         glVertexAttrib3f(location_normal_or_previous, 0.0f, 0.0f, 0.0f);
         for (const Batch& batch : batches) {
             if (batch.corners == 0) continue;
-            const Program& program = programs[static_cast<std::size_t>(batch.style)];
-            const bool samples_apart = batch.style == Style::discs && target.samples > 1 && has_sample_shading;
-            glUseProgram(program.id);
-            set_material(program, materials[batch.material]);
-            if (samples_apart) glEnable(GL_SAMPLE_SHADING);
-            draw_exposures(program, batch);
-            if (samples_apart) glDisable(GL_SAMPLE_SHADING);
+            draw_batch_as(batch.style, batch);
+            if (batch.style == Style::points) draw_batch_as(Style::quads, batch);
         }
         glBindVertexArray(0);
         glUseProgram(0);
@@ -724,23 +759,20 @@ Result<Frame> Renderer::draw(const shading::View& view, const DrawOptions& optio
     if (auto sound = shading::validate(view); !sound) return sound.error();
     if (auto sound = impl_->check(options); !sound) return sound.error();
     if (auto ready = impl_->prepare_targets(options); !ready) return ready.error();
-    const double aspect = static_cast<double>(options.width) / options.height;
     const std::vector<Sphere> spheres = spheres_of(options.instances, impl_->placement);
-    const Sphere scene = around(spheres);
-    const Camera camera = make_camera(view, impl_->origin, impl_->placement, aspect, scene);
     const std::vector<Vec4f> lights = lights_of(view, options);
-    impl_->sort_blended(camera);
-    if (auto exposed = impl_->expose(view, options, scene); !exposed) return exposed.error();
-    impl_->show(options, spheres, camera);
+    if (auto exposed = impl_->expose(view, options, around(spheres)); !exposed) return exposed.error();
+    impl_->sort_blended();
+    impl_->show(options, spheres);
     gl_failed();
     if (options.frames > 1) {  // the first frame also pays for what the driver compiles and moves
-        impl_->draw_frame(camera, lights, options);
+        impl_->draw_frame(lights, options);
         glFinish();
     }
     std::vector<double> times_ms;
     for (std::uint32_t i = 0; i < options.frames; ++i) {
         const auto start = std::chrono::steady_clock::now();
-        impl_->draw_frame(camera, lights, options);
+        impl_->draw_frame(lights, options);
         glFinish();
         times_ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     }

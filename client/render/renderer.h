@@ -14,8 +14,9 @@
 //
 // A point cloud is drawn as discs on its tangent planes, as large as its level needs to leave no hole, lit once each.
 // Where the driver has samples of their own (OpenGL ES 3.2) discs are anti-aliased like triangles, else pixel by pixel.
-// A disc larger than the driver's largest point is cut to that square, and one whose centre is outside the picture is
-// not drawn: points are for what is far away.
+// Discs are points where points show them whole, and quads, which take a software renderer up to four times as long,
+// where an instance comes so near that a disc may be larger than the driver's largest point or lie across the picture's
+// edge by more than a few pixels. One whose centre is behind the eye is not drawn.
 //
 // Numbers: the scene is moved to its bounding sphere's centre and scaled to radius 1 in double precision before
 // anything becomes float, so extents of 1e-9 or 1e9 and origins far away draw alike.

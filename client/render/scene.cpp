@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -131,6 +132,19 @@ ProvokingCorners choose_provoking(const mesh::Mesh& m) {
 // The same face with `corner` last.
 mesh::Triangle rotated(const mesh::Triangle& t, std::uint8_t corner) {
     return {t[(corner + 1u) % 3], t[(corner + 2u) % 3], t[corner]};
+}
+
+// How far a place lies inside the picture, by its nearest side, or plane where near and far count too; outside below 0.
+double depth_inside(const Camera& camera, const Vec3d& place, int axes) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    double least = camera.sees_scene ? infinity : -infinity;
+    const Mat4d rows = transpose(Mat4d(camera.clip_from_scene));
+    for (int axis = 0; axis < axes; ++axis)
+        for (const double side : {-1.0, 1.0}) {
+            const Vec4d plane = rows[3] + side * rows[axis];
+            least = std::min(least, dot(plane, Vec4d(place, 1.0)) / glm::length(Vec3d(plane)));
+        }
+    return least;
 }
 
 Mat4d perspective(double tan_half_fov_y, double aspect, double near, double far) {
@@ -346,15 +360,21 @@ Camera make_camera(const shading::View& view, const Vec3d& origin, const Placeme
 }
 
 bool may_see(const Camera& camera, const Sphere& sphere) {
-    if (!camera.sees_scene) return false;
+    return depth_inside(camera, sphere.center, 3) >= -sphere.radius * (1.0 + plane_margin);
+}
+
+bool lies_within(const Camera& camera, const Sphere& sphere) {
+    return depth_inside(camera, sphere.center, 2) >= sphere.radius * (1.0 + plane_margin);
+}
+
+double largest_disc_px(const Camera& camera, const Sphere& sphere, double radius, double height_px) {
     const Mat4d rows = transpose(Mat4d(camera.clip_from_scene));
-    const double radius = sphere.radius * (1.0 + plane_margin);
-    for (int axis = 0; axis < 3; ++axis)
-        for (const double side : {-1.0, 1.0}) {
-            const Vec4d plane = rows[3] + side * rows[axis];
-            if (dot(plane, Vec4d(sphere.center, 1.0)) < -radius * glm::length(Vec3d(plane))) return false;
-        }
-    return true;
+    const double x_scale = glm::length(Vec3d(rows[0])), y_scale = glm::length(Vec3d(rows[1]));
+    const double depth = dot(rows[3], Vec4d(sphere.center, 1.0)) - sphere.radius;  // of the nearest centre
+    if (!(depth > radius)) return std::numeric_limits<double>::infinity();
+    const double off_axis = std::atan(std::hypot(1.0 / x_scale, 1.0 / y_scale));  // of the picture's corners
+    const double cosine = std::cos(off_axis + std::asin(radius / depth));
+    return cosine > 0.0 ? radius / depth * y_scale * height_px / cosine : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace lodestream::render

@@ -67,5 +67,10 @@ Camera make_camera(const shading::View& view, const Vec3d& origin, const Placeme
                    const Sphere& scene = {});
 // False only where no part of the sphere is in the picture.
 bool may_see(const Camera& camera, const Sphere& sphere);
+// Only where all of the sphere is between the picture's sides.
+bool lies_within(const Camera& camera, const Sphere& sphere);
+// No disc of this radius whose centre lies in both sphere and picture is larger in the picture, of `height_px`;
+// infinite where one may reach beside the eye.
+double largest_disc_px(const Camera& camera, const Sphere& sphere, double radius, double height_px);
 
 }  // namespace lodestream::render

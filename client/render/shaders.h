@@ -1,9 +1,11 @@
-// The one pair of shaders, compiled plain (Gouraud), with FLAT and with DISCS; private to this folder.
+// The one pair of shaders, compiled plain (Gouraud), with FLAT, with DISCS and with DISCS and QUADS; private to this
+// folder.
 //
-// A disc is a point sprite around its centre. A fragment is kept where the ray from the eye through it meets the disc's
-// plane within its radius: with the centre c and the fragment's place c + e in view axes, |n x (e x c)| <= r |n . (c +
-// e)|. That is a quadratic form in the place on the sprite, whose coefficients the vertex stage works out. So discs
-// smaller than a pixel cover just what surfaces of their size would, and edge-on ones nothing.
+// A disc is a square sprite around its centre: a point or, where drivers allow none so large, four corners. A fragment
+// is kept where the ray from the eye through it meets the disc's plane within its radius: with the centre c and the
+// fragment's place c + e in view axes, |n x (e x c)| <= r |n . (c + e)|. That is a quadratic form in the place on the
+// sprite, whose coefficients the vertex stage works out. So discs smaller than a pixel cover just what surfaces of
+// their size would, and edge-on ones nothing.
 #pragma once
 
 #include "client/render/renderer.h"
@@ -29,6 +31,9 @@ flat out vec2 v_light;
 flat out vec3 v_square;  // of x², xy, y² of the place on the sprite, each in [-1, 1]
 flat out vec3 v_linear;  // of x, y, 1; the disc is where the sum is not above zero
 uniform vec4 u_disc;     // radius, half the picture's height in px, px to widen a sprite by, largest sprite in px
+#ifdef QUADS
+out vec2 v_at;  // the place on the sprite
+#endif
 #else
 layout(location = 3) in vec3 a_normal;
 out vec4 v_light;  // diffuse, specular; the same of the back
@@ -65,7 +70,15 @@ vec4 light_both_sides(vec3 normal, vec3 position) {
 }
 
 #ifdef DISCS
-// The sprite that holds the whole disc: off the view's axis and close to the eye, perspective draws it larger.
+// How much larger perspective draws a sphere around the disc off the view's axis and close to the eye, outwards: with t
+// the angle between axis and centre and p half the angle that the sphere fills, 1 / cos(t + p).
+float stretch(float radius, vec3 center, float depth) {
+    const float least_cosine = 1e-3;  // the sphere reaches beside or behind the eye: nothing bounds its picture
+    float away = max(dot(center, center), 1e-30), off_axis = max(away - depth * depth, 0.0);
+    float cosine = depth * sqrt(max(away - radius * radius, 0.0)) - radius * sqrt(off_axis);
+    return away / max(cosine, least_cosine * away);
+}
+
 void shape_disc(vec3 position, vec3 normal) {
     const float least_px = 1e-4;
     mat4 m = transpose(u_clip_from_scene);
@@ -74,9 +87,16 @@ void shape_disc(vec3 position, vec3 normal) {
     float depth = max(gl_Position.w, 1e-6), px_per_unit = u_disc.y * length(m[1].xyz) / depth;
     float radius = max(u_disc.x, least_px / px_per_unit);
     vec3 center = view_axes * (position - u_eye);
-    float stretch = (length(center) + radius) / depth;
-    gl_PointSize = clamp(2.0 * radius * px_per_unit * stretch, 1.0, u_disc.w) + u_disc.z;
-    float reach = 0.5 * gl_PointSize / (radius * px_per_unit);  // half the sprite's side, in radii
+    float side = clamp(2.0 * radius * px_per_unit * stretch(radius, center, depth), 1.0, u_disc.w) + u_disc.z;
+#ifdef QUADS
+    vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
+    vec2 half_picture = u_disc.y * vec2(length(m[1].xyz) / length(m[0].xyz), 1.0);
+    gl_Position.xy += corner * (0.5 * side / half_picture) * gl_Position.w;
+    v_at = vec2(corner.x, -corner.y);
+#else
+    gl_PointSize = side;
+#endif
+    float reach = 0.5 * side / (radius * px_per_unit);  // half the sprite's side, in radii
     float nearness = radius / max(length(center), 1e-6 * radius);
     vec3 c = center * (nearness / radius), n = view_axes * normal;
     vec3 x = cross(n, cross(vec3(reach, 0.0, 0.0), c)), y = cross(n, cross(vec3(0.0, -reach, 0.0), c));
@@ -120,6 +140,9 @@ in vec4 v_light;
 flat in vec3 v_square;
 flat in vec3 v_linear;
 #endif
+#ifdef QUADS
+in vec2 v_at;
+#endif
 in vec4 v_color;
 in vec2 v_texture_coordinate;
 uniform sampler2D u_base_color_texture;
@@ -130,7 +153,11 @@ out vec4 color;
 
 void main() {
 #ifdef DISCS
+#ifdef QUADS
+    vec2 at = v_at;
+#else
     vec2 at = 2.0 * gl_PointCoord - 1.0;
+#endif
     if (dot(v_square, vec3(at.x * at.x, at.x * at.y, at.y * at.y)) + dot(v_linear, vec3(at, 1.0)) > 0.0) discard;
 #endif
 #if defined(FLAT) || defined(DISCS)

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "client/render/renderer.h"
+#include "client/render/scene.h"
 #include "common/points/order.h"
 #include "common/points/resample.h"
 #include "tests/client/render/with_renderer.h"
@@ -179,6 +181,126 @@ TEST_F(DiscsTest, AnEyeInsideTheCloudDrawsSomethingFinite) {
     const codec::Points cloud = points_of(testing::sphere(30), 3000);
     for (const Vec3d eye : {Vec3d(0, 0, 0), Vec3d(0, 0, 0.999), Vec3d(1e-9, 0, 0), Vec3d(0, 0, 1)})
         picture(cloud, {eye, {3, 0, 0}, 45.0, {0, 0, 1}}, canvas(64));
+}
+
+// One disc around (0,0,0), and the same of triangles.
+codec::Points one_disc(const Vec3d& normal, double radius) {
+    codec::Points cloud;
+    cloud.cloud.positions = {{0, 0, 0}};
+    cloud.cloud.normals = {Vec3f(normal)};
+    cloud.levels = {{1, {}, radius}};
+    cloud.base_color = grey;
+    return cloud;
+}
+
+mesh::Mesh round_fan(const Vec3d& normal, double radius) {
+    constexpr std::uint32_t corners = 512;
+    const Vec3d aside = normalize(cross(normal, Vec3d{0.3, 1, 0.2})), up = cross(normal, aside);
+    mesh::Mesh fan;
+    fan.positions.emplace_back(0.0f);
+    for (std::uint32_t i = 0; i < corners; ++i) {
+        const double around = 2.0 * pi * i / corners;
+        fan.positions.emplace_back(radius * (std::cos(around) * aside + std::sin(around) * up));
+        fan.triangles.push_back({0, i + 1, (i + 1) % corners + 1});
+    }
+    fan.normals.assign(fan.positions.size(), Vec3f(normal));
+    return fan;
+}
+
+// Of the pixels that either covers, the share that both do. Not compare()'s: a picture's corner may be covered.
+double overlap(const Image& a, const Image& b) {
+    std::size_t both = 0, either = 0;
+    for (std::size_t i = 0; i < a.rgba.size(); i += 4) {
+        const bool in_a = a.rgba[i] != 255, in_b = b.rgba[i] != 255;
+        both += in_a && in_b ? 1 : 0;
+        either += in_a || in_b ? 1 : 0;
+    }
+    EXPECT_GT(either, 300u);
+    return static_cast<double>(both) / static_cast<double>(either);
+}
+
+TEST_F(DiscsTest, ADiscIsRoundHoweverLargeAndWhereverItsCentreIs) {
+    struct Case {
+        const char* what;
+        View view;
+        double radius = 1.0;
+    };
+    const std::vector<Case> cases{
+        {"larger than the largest point", {{0, 0, 4}, {0, 0, 0}, 45.0, {0, 0, 1}}},
+        {"larger than the picture", {{0, 0, 1.6}, {0, 0, 0}, 45.0, {0, 0, 1}}},
+        {"small, centre beside the picture", {{3.6, 0, 6}, {3.6, 0, 0}, 45.0, {0, 0, 1}}, 0.3},
+        {"small, centre above the picture", {{0, -2.6, 6}, {0, -2.6, 0}, 45.0, {0, 0, 1}}, 0.3},
+        {"large, centre beside the picture", {{1.4, 0, 1.5}, {1.4, 0, 0}, 40.0, {0, 0, 1}}},
+        {"larger than the cloud, which is beside the picture", {{7, 1, 6}, {7, 1, 0}, 45.0, {0, 0, 1}}, 5.0},
+        {"drawn out by a wide angle", {{0, 0, 3}, {4, 0, 0.3}, 140.0, {0, 0, 1}}, 1.2},
+    };
+    DrawOptions options = canvas(400);
+    options.width = 560;
+    for (const Case& at : cases)
+        for (const Vec3d& turned : {Vec3d{0, 0, 0}, Vec3d{1, 0, 0}, Vec3d{0.5, -1, 0}}) {
+            const Vec3d normal = normalize(normalize(at.view.eye) + turned);
+            const Image disc = picture(one_disc(normal, at.radius), at.view, options);
+            const mesh::Mesh fan = round_fan(normal, at.radius);
+            const Image full = picture(drawable(model_of(fan), fan), at.view, options);
+            EXPECT_GT(overlap(disc, full), 0.99) << at.what << ", turned " << turned.x;
+        }
+}
+
+TEST_F(DiscsTest, ALargeDiscSeenAlmostEdgeOnIsAsThinAsItIs) {
+    const View view{{1.1, 0.7, 1.6}, {0, 0, 0}, 45.0, {0, 0, 1}};
+    const Vec3d sight = normalize(view.eye), aside = normalize(cross(sight, Vec3d{0.2, 1, 0}));
+    for (const double share : {0.1, 0.03, 0.01}) {
+        const Vec3d normal = normalize(aside + share * sight);
+        const Image disc = picture(one_disc(normal, 1.0), view, canvas(800));
+        const mesh::Mesh fan = round_fan(normal, 1.0);
+        EXPECT_GT(overlap(disc, picture(drawable(model_of(fan), fan), view, canvas(800))), 0.97) << share;
+    }
+}
+
+TEST_F(DiscsTest, PointsAndQuadsOfOneCloudAgree) {
+    codec::Points cloud = points_of(testing::sphere(60), 800);
+    const Image points = picture(cloud, from_front, canvas(256));
+    DrawOptions options = canvas(256);
+    options.instances = {{{0, 0, 0}}};
+    // The same again with one point in the eye, beside which a disc may be of any size.
+    cloud.cloud.positions.emplace_back(0, 0, 4);
+    cloud.cloud.normals.emplace_back(0, 0, 1);
+    cloud.levels.insert(cloud.levels.begin(), {801, {}, cloud.levels.front().radius});
+    options.instances[0].points = 800;
+    ASSERT_TRUE(renderer->upload(cloud));
+    const auto quads = renderer->draw(from_front, options);
+    ASSERT_TRUE(quads);
+    EXPECT_EQ(quads->points, 800u);
+    const auto difference = compare(points, quads->image);
+    ASSERT_TRUE(difference);
+    EXPECT_LT(difference->silhouette_percent, 0.5);
+    EXPECT_LT(difference->rms, 3.0);
+}
+
+TEST_F(DiscsTest, NoDiscInThePictureIsLargerThanWhatIsSaidOfIt) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> share(-1.0, 1.0);
+    double closest = 0.0;
+    for (int i = 0; i < 2000; ++i) {
+        const double fov_y_deg = 60.0 + 50.0 * share(random), radius = 0.2 * (1.0 + share(random)) + 1e-3;
+        const View view{{0, 0, 4.0 + 2.5 * share(random)}, {share(random), share(random), 0}, fov_y_deg, {0, 0, 1}};
+        const Camera camera = make_camera(view, Vec3d{0.0}, {}, 1.5);
+        const Vec3d center = normalize(Vec3d{share(random), share(random), share(random)}) * share(random);
+        const auto at = [&](const Vec3d& place) {  // px, of a picture of 100 px
+            const Vec4d clip = Mat4d(camera.clip_from_scene) * Vec4d(place, 1.0);
+            return clip.w > 0.0 ? 50.0 * Vec3d(clip.x * 1.5, clip.y, 0.0) / clip.w : Vec3d{1e9};
+        };
+        const Vec3d seen = at(center);
+        if (std::abs(seen.x) > 75.0 || std::abs(seen.y) > 50.0) continue;
+        const double said = largest_disc_px(camera, {}, radius, 100.0);
+        for (int k = 0; k < 50; ++k) {
+            const Vec3d edge = center + radius * normalize(Vec3d{share(random), share(random), share(random)});
+            const double size = 2.0 * length(at(edge) - seen);
+            EXPECT_LE(size, said * 1.0001);
+            closest = std::max(closest, size / said);
+        }
+    }
+    EXPECT_GT(closest, 0.5);
 }
 
 TEST_F(DiscsTest, InstancesStandWhereTheyAreToldAndHideEachOther) {

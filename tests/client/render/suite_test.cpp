@@ -336,6 +336,16 @@ TEST_F(RendererSuite, ALevelOfACloudSendsItsFirstPointsAlone) {
     EXPECT_EQ(live_objects().buffer_bytes, 40u * 24u);
 }
 
+TEST_F(RendererSuite, DiscsOfAnySizeAreDrawn) {
+    codec::Points cloud = cloud_of(20);
+    for (const double radius : {0.0, 1e-300, 1e3, 1e300}) {
+        cloud.levels[0].radius = radius;
+        put(cloud);
+        EXPECT_EQ(drawn().points, 20u) << radius;
+        EXPECT_EQ(drawn({{0, 0, 0.5}, {3, 0, 0.5}, 45.0, {0, 0, 1}}).points, 20u) << radius;
+    }
+}
+
 TEST_F(RendererSuite, EveryExposureIsADrawingOfTheScene) {
     put(textured());
     DrawOptions options = small;

@@ -245,6 +245,38 @@ TEST_F(DriversTest, DiscsAreShadedByTheSampleWhereTheDriverCanAndWidenedElsewher
     }
 }
 
+TEST_F(DriversTest, DiscsThatAreTooLargeForPointsOrLieAcrossTheEdgeAreQuads) {
+    gl.driver().max_point_px = 9.0f;
+    create();
+    codec::Points discs = cloud();
+    discs.cloud.normals.assign(3, Vec3f{0, 0, 1});
+    ASSERT_TRUE(renderer->upload(discs));
+    const auto is_quads = [](const GlDraw& draw) { return draw.mode == GL_TRIANGLE_STRIP; };
+    const View far{{0, 0, 8}, {0, 0, 0}, 45.0, {0, 0, 1}};
+    DrawOptions options = small;
+    options.width = options.height = 128;  // 4 px across at a distance of 8, 9 px at that of 4
+    EXPECT_FALSE(is_quads(draws_of(far, options).at(0)));
+    options.instances = {{{0, 0, 0}}, {{0, 0, 5}}, {{0, 0, -5}}};
+    const std::vector<GlDraw> draws = draws_of(far, options);
+    ASSERT_EQ(draws.size(), 3u);
+    EXPECT_EQ(std::count_if(draws.begin(), draws.end(), is_quads), 1);
+    const GlDraw& quads = draws[2];  // points first
+    ASSERT_TRUE(is_quads(quads));
+    EXPECT_EQ(quads.count, 4);
+    EXPECT_EQ(quads.instances, 3);
+    EXPECT_EQ(quads.vertices, draws[0].vertices);  // read once a disc instead of once a corner
+    EXPECT_EQ(quads.uniforms.at("u_offset")[2], 5.0f);
+    EXPECT_EQ(draws_of(far, options), draws);  // points are read once a point again
+    gl.driver().max_point_px = 255.0f;
+    renderer.reset();
+    create();
+    ASSERT_TRUE(renderer->upload(discs));
+    options.instances = {{{0, 0, 4}}};
+    EXPECT_FALSE(is_quads(draws_of({{0, 0, 12}, {0, 0, 0}, 45.0, {0, 0, 1}}, options).at(0)));
+    options.instances = {{{2.5, 0, 4}}};  // across the edge
+    EXPECT_TRUE(is_quads(draws_of({{0, 0, 12}, {0, 0, 0}, 45.0, {0, 0, 1}}, options).at(0)));
+}
+
 TEST_F(DriversTest, WhatIsDrawnIsTheLevelWithItsMaterials) {
     create();
     ASSERT_TRUE(renderer->upload(everything()));
