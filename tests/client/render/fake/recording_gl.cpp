@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t max_attributes = 16, texture_units = 2;
 constexpr GLuint name_stride = 8;  // contexts whose objects have names apart
+GLuint contexts_made = 0;
 
 struct Buffer {
     std::vector<std::byte> bytes;
@@ -319,8 +320,7 @@ class GlState {
     }
 
   private:
-    static inline GLuint next_context_ = 0;
-    GLuint next_name_ = 1 + next_context_++ % name_stride;
+    GLuint next_name_ = 1 + contexts_made++ % name_stride;
 };
 
 namespace {
