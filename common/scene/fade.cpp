@@ -45,9 +45,16 @@ std::vector<Transition> differences(std::span<const LodNode> tree, const Nodes& 
     return found;
 }
 
+void settle(Fading& fading) {
+    for (const Transition& t : fading.transitions)
+        if (t.progress >= 1.0) fading.settled.insert(fading.settled.end(), t.coming.begin(), t.coming.end());
+    std::erase_if(fading.transitions, [](const Transition& t) { return t.progress >= 1.0; });
+}
+
 // Nodes that are not settled wait for their own transition.
-void begin(std::span<const LodNode> tree, Fading& fading, std::span<const std::uint32_t> cut,
-           const Projection& projection) {
+void begin(std::span<const LodNode> tree, Fading& fading, std::span<const std::uint32_t> cut, const View& view,
+           double step) {
+    const Projection now(view), before(fading.view.value_or(view));
     Nodes screen = fading.settled;
     for (const Transition& t : fading.transitions) screen.insert(screen.end(), t.coming.begin(), t.coming.end());
     std::vector<bool> is_settled = marked(tree, fading.settled);
@@ -55,18 +62,13 @@ void begin(std::span<const LodNode> tree, Fading& fading, std::span<const std::u
         if (!std::all_of(found.going.begin(), found.going.end(), [&](std::uint32_t n) { return is_settled[n]; }))
             continue;
         for (const std::uint32_t node : found.going) is_settled[node] = false;
-        if (!projection.sees(tree[found.top].box)) found.progress = 1.0;
+        const Box& box = tree[found.top].box;
+        const bool is_seen = before.sees(box) && now.sees(box);
+        found.progress = is_seen ? step : 1.0;
+        if (!is_seen) fading.unseen.push_back(found);
         fading.transitions.push_back(std::move(found));
     }
     std::erase_if(fading.settled, [&](std::uint32_t node) { return !is_settled[node]; });
-}
-
-void advance(Fading& fading, double step) {
-    for (Transition& t : fading.transitions) {
-        t.progress += step;
-        if (t.progress >= 1.0) fading.settled.insert(fading.settled.end(), t.coming.begin(), t.coming.end());
-    }
-    std::erase_if(fading.transitions, [](const Transition& t) { return t.progress >= 1.0; });
 }
 
 }  // namespace
@@ -74,11 +76,15 @@ void advance(Fading& fading, double step) {
 std::vector<FadingNode> fade(std::span<const LodNode> tree, Fading& fading, std::span<const std::uint32_t> cut,
                              const View& view, double step) {
     assert(step > 0.0);
+    for (Transition& t : fading.transitions) t.progress += step;
+    settle(fading);
+    fading.unseen.clear();
     if (fading.settled.empty() && fading.transitions.empty())
         fading.settled.assign(cut.begin(), cut.end());
     else if (!cut.empty())
-        begin(tree, fading, cut, Projection(view));
-    advance(fading, step);
+        begin(tree, fading, cut, view, step);
+    settle(fading);
+    fading.view = view;
     std::vector<FadingNode> drawn;
     for (const std::uint32_t node : fading.settled) drawn.push_back({node});
     for (const Transition& t : fading.transitions) {

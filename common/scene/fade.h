@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct Transition {
 struct Fading {
     std::vector<std::uint32_t> settled;   // nodes in no transition
     std::vector<Transition> transitions;  // of parts of the tree that are apart
+    std::vector<Transition> unseen;  // in the last frame: gone over at once, for they were not on the screen before
+    std::optional<View> view;        // of the last frame
 };
 
 // Drawn at thresholds from <= t < to of [0, 1).
@@ -34,8 +37,9 @@ struct FadingNode {
 
 // One frame, `step` of a whole transition later (1 or more: at once). What differs between the screen and `cut` begins
 // a transition; a part of the tree that is in one already ends that first, so that nothing turns back half-way. What
-// `view` does not see goes over at once. The nodes of `Fading` must stay until the next frame: Fading's shown_nodes().
-// Returns what is drawn: at each threshold a cut. pre: validate(tree), `cut` is a cut, the same tree each time
+// this view or the one before does not see goes over at once. The nodes of `Fading` must stay until the next frame:
+// Fading's shown_nodes(). Returns what is drawn: at each threshold a cut. pre: validate(tree), `cut` is a cut, the same
+// tree each time
 std::vector<FadingNode> fade(std::span<const LodNode> tree, Fading& fading, std::span<const std::uint32_t> cut,
                              const View& view, double step);
 

@@ -102,13 +102,12 @@ std::vector<std::uint32_t> drawn_now(std::span<const LodNode> tree, const Reside
     return drawn;
 }
 
-// Wanted nodes that are not here and whose parent is.
+// Wanted nodes that are not here; parents are refined before their children.
 std::vector<std::uint32_t> next_requests(std::span<const LodNode> tree, const Residency& residency,
                                          const Wanted& wanted, std::size_t most) {
-    if (!residency.has(0)) return {0};
     std::vector<std::uint32_t> requests;
+    if (!residency.has(0)) requests.push_back(0);
     for (const std::uint32_t node : wanted.refined) {
-        if (!residency.has(node)) continue;
         for_each_child(tree, node, [&](std::uint32_t child) {
             if (!residency.has(child) && requests.size() < most) requests.push_back(child);
         });

@@ -33,7 +33,7 @@ struct StreamOptions {
 
 struct StreamStep {
     std::vector<std::uint32_t> drawn;     // a cut of nodes that are here; empty only while the root is not
-    std::vector<std::uint32_t> requests;  // to be in flight from now on, most urgent first; cancel all others
+    std::vector<std::uint32_t> requests;  // to be in flight from now on, in this order; cancel all others
     std::size_t ahead = 0;                // how many of the requests, the last ones, only a coming view asks for
     std::size_t missing = 0;              // nodes that the view itself wants and that are not here
     std::vector<std::uint32_t> dropped;   // no longer held from now on
@@ -41,14 +41,14 @@ struct StreamStep {
 };
 
 // One frame. Wanted is what the view refines, largest error on the screen first, as far as it fits into the memory with
-// all nodes above it; the rest makes room, least recently wanted first, where a request needs it. Parents are requested
-// before their children. All that is drawn is wanted, so there is always room for what is wanted: it never stalls. A
-// root larger than the memory is held alone.
-// `shown`: nodes that stay on the screen while others fade in (common/scene/fade.h). They are not dropped; what does
-// not fit beside them is requested once they are gone.
-// `coming`: where the motion leads, the soonest first (ahead_of() gives one). What these views refine is
-// fetched and held too, in the room and with the requests that the view itself leaves; it is not drawn before it is
-// wanted. pre: validate(tree), validate() of all views, a byte count for each node
+// all nodes above it; the rest makes room, least recently wanted first, where a request needs it. Requests are the most
+// urgent first and parents before their children, which are not held before them but may be on their way together: a
+// deep tree's finest level takes one round trip, not one for each level. All that is drawn is wanted, so there is
+// always room for what is wanted: it never stalls. A root larger than the memory is held alone. `shown`: nodes that
+// stay on the screen while others fade in (common/scene/fade.h). They are not dropped; what does not fit beside them is
+// requested once they are gone. `coming`: where the motion leads, the soonest first (ahead_of() gives one). What these
+// views refine is fetched and held too, in the room and with the requests that the view itself leaves; it is not drawn
+// before it is wanted. pre: validate(tree), validate() of all views, a byte count for each node
 StreamStep step(std::span<const LodNode> tree, Residency& residency, const View& view, const StreamOptions& options,
                 std::span<const View> coming = {}, std::span<const std::uint32_t> shown = {});
 

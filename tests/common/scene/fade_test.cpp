@@ -82,7 +82,6 @@ TEST_F(TwoLevels, ATransitionEndsBeforeItsPartTurnsBack) {
         EXPECT_EQ(sorted(drawn_at(drawn, progress - 0.01)), fine);
         EXPECT_EQ(drawn_at(drawn, progress), coarse);
     }
-    EXPECT_EQ(sorted(drawn_at(fade(tree, fading, coarse, view, 0.25), 0.999)), fine);
     const auto back = fade(tree, fading, coarse, view, 0.25);
     EXPECT_EQ(drawn_at(back, 0.2), coarse);
     EXPECT_EQ(sorted(drawn_at(back, 0.3)), fine);
@@ -94,6 +93,18 @@ TEST_F(TwoLevels, OutOfSightOrWithoutTimeTheyGoOverAtOnce) {
     away.near = view.near;
     EXPECT_EQ(sorted(drawn_at(fade(tree, fading, fine, away, 0.25), 0.999)), fine);
     EXPECT_EQ(drawn_at(fade(tree, fading, coarse, view, 1.0), 0.999), coarse);
+}
+
+TEST_F(TwoLevels, WhatComesIntoViewGoesOverAtOnceAndIsTold) {
+    View away = view_towards(view.eye, view.eye + Vec3d{0.0, 0.0, 1.0});
+    away.near = view.near;
+    fade(tree, fading, coarse, away, 0.25);
+    EXPECT_EQ(sorted(drawn_at(fade(tree, fading, fine, view, 0.25), 0.999)), fine);
+    ASSERT_EQ(fading.unseen.size(), 1u);
+    EXPECT_EQ(fading.unseen[0].going, coarse);
+    EXPECT_EQ(sorted(fading.unseen[0].coming), fine);
+    EXPECT_EQ(fade(tree, fading, coarse, view, 0.25).size(), 3u) << "seen in both, it fades";
+    EXPECT_TRUE(fading.unseen.empty());
 }
 
 // Cuts that jump about faster than they can fade, of a camera that jumps too.

@@ -29,7 +29,7 @@ TEST(Stream, FillsInFromTheRootToWhatTheViewSelects) {
         StreamOptions options;
         StreamStep now = step(tree, residency, view, options);
         EXPECT_TRUE(now.drawn.empty());
-        EXPECT_EQ(now.requests, std::vector<std::uint32_t>{0});
+        EXPECT_EQ(now.requests.front(), 0u);
         while (!now.requests.empty()) {
             for (const std::uint32_t node : now.requests) ASSERT_TRUE(arrive(tree, residency, node, options));
             now = step(tree, residency, view, options);
