@@ -140,6 +140,8 @@ int run(int argc, char** argv) {
     roam_app->add_option("--tolerance-px", roam.tolerance_px, "Error on the screen that is not worth a finer tile")
         ->capture_default_str()
         ->check(is_number & CLI::Range(0.0, 1e6));
+    roam_app->add_option("--triangles", roam.triangles,
+                         "Triangles in view that may be asked for, the largest errors first; left out: any number");
     roam_app->add_option("--memory-mb", roam.memory_mb, "What all tiles together may take on the GPU")
         ->capture_default_str()
         ->check(is_number & CLI::Range(0.0, 1e6));
@@ -160,7 +162,7 @@ int run(int argc, char** argv) {
         "Examples:\n"
         "  lodestream-client roam --server http://127.0.0.1:8080 --asset ship --out tour.csv --frames tour\n"
         "  lodestream-client roam --server http://127.0.0.1:8080 --asset ship --rtt-ms 80 --downlink-mbps 10 \\\n"
-        "      --memory-mb 16 --fade-ms 0 --no-prefetch --out phone.csv --json");
+        "      --triangles 50000 --memory-mb 16 --fade-ms 0 --no-prefetch --out phone.csv --json");
     roam_app->callback([&] { command = [&] { return client::roam(roam); }; });
 
     report::ReportOptions report;

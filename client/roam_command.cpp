@@ -16,7 +16,7 @@ namespace lodestream::client {
 namespace {
 
 constexpr double bytes_per_mb = 1 << 20;
-constexpr std::size_t max_failures_told = 5;
+constexpr std::size_t max_told = 5;
 
 struct Scene {
     std::string kind;
@@ -49,6 +49,7 @@ roam::RoamOptions options_of(const RoamArguments& arguments) {
     options.fade_s = arguments.fade_ms / 1e3;
     options.looks_ahead = arguments.looks_ahead;
     options.stream.tolerance_px = arguments.tolerance_px;
+    options.stream.max_triangles = arguments.triangles.value_or(options.stream.max_triangles);
     options.stream.max_bytes = static_cast<std::uint64_t>(arguments.memory_mb * bytes_per_mb);
     options.width = arguments.width;
     options.height = arguments.height;
@@ -89,11 +90,10 @@ void print_json(const roam::Roamed& roamed, const roam::RoamSummary& met) {
                 met.popping_rms);
 }
 
-void warn_of(const std::vector<std::string>& failures) {
-    for (std::size_t i = 0; i < std::min(failures.size(), max_failures_told); ++i)
-        std::fprintf(stderr, "lodestream-client: covered by the level above: %s\n", failures[i].c_str());
-    if (failures.size() > max_failures_told)
-        std::fprintf(stderr, "lodestream-client: and %zu tiles more\n", failures.size() - max_failures_told);
+void warn_of(const std::vector<std::string>& tiles, const char* what) {
+    for (std::size_t i = 0; i < std::min(tiles.size(), max_told); ++i)
+        std::fprintf(stderr, "lodestream-client: %s%s\n", what, tiles[i].c_str());
+    if (tiles.size() > max_told) std::fprintf(stderr, "lodestream-client: and %zu more\n", tiles.size() - max_told);
 }
 
 }  // namespace
@@ -140,7 +140,8 @@ Status roam(const RoamArguments& arguments) {
     const auto roamed = roam::roam(*renderer, scene->tileset, source, *motion, home, options_of(arguments));
     if (!roamed) return roamed.error();
     if (auto written = write_text(arguments.out, to_csv(roamed->frames)); !written) return written;
-    warn_of(roamed->failures);
+    warn_of(roamed->failures, "covered by the level above: ");
+    warn_of(roamed->warnings, "");
     const roam::RoamSummary met = roam::summarize(*roamed);
     if (arguments.json)
         print_json(*roamed, met);

@@ -23,6 +23,7 @@ struct RoamArguments {
     double fov_y_deg = 45.0;
     double fps = 30.0;
     double tolerance_px = 1.0;
+    std::optional<std::uint64_t> triangles;
     double memory_mb = 256.0;  // 2^20 bytes on the GPU
     double fade_ms = 500.0;
     bool looks_ahead = true;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "client/fly/scenery.h"
+#include "client/sdk/client.h"
 #include "common/scene/fade.h"
 
 namespace lodestream::roam {
@@ -31,10 +32,9 @@ Status check(const RoamOptions& options) {
     return Nothing{};
 }
 
-std::vector<std::uint64_t> guessed_bytes(const scene::LodTree& tree) {
-    std::vector<std::uint64_t> bytes;
-    for (const scene::LodNode& node : tree) bytes.push_back(gpu_bytes_per_triangle * node.triangles);
-    return bytes;
+std::vector<std::uint64_t> guessed_bytes(std::vector<std::uint64_t> encoded) {
+    for (std::uint64_t& bytes : encoded) bytes = gpu_bytes_per_byte * std::min(bytes, sdk::max_content_bytes);
+    return encoded;
 }
 
 // What was drawn in a frame, to be drawn again in the next one's view.
@@ -55,7 +55,7 @@ class Roamer {
           bytes_(tileset.bytes),
           tiles_(tiles),
           options_(options),
-          residency_(guessed_bytes(tileset.nodes)),
+          residency_(guessed_bytes(tileset.bytes)),
           fade_step_(options.fade_s > 0.0 ? 1.0 / (options.fade_s * options.fps) : 1.0) {}
 
     Status draw_frame(double t_s, const shading::View& seen) {
@@ -103,6 +103,7 @@ class Roamer {
             if (arrival.part) {
                 ++roamed_.fetched_tiles;
                 fetched_bytes_ += bytes_[arrival.node];
+                warn_of(arrival.part.warnings);
                 early_.insert_or_assign(arrival.node, *std::move(arrival.part));
             } else if (Status missed = miss(arrival.node, arrival.part.error()); !missed) {
                 return missed;
@@ -129,8 +130,13 @@ class Roamer {
         const auto added = renderer_.add(part);
         if (!added) return added.error();
         upload_ms_ += ms_since(start);
+        warn_of(added.warnings);
         parts_[node] = *added;
         return Nothing{};
+    }
+
+    void warn_of(const std::vector<std::string>& warnings) {
+        roamed_.warnings.insert(roamed_.warnings.end(), warnings.begin(), warnings.end());
     }
 
     // What the network failed to bring may come at another time; what cannot be decoded will not.

@@ -25,9 +25,8 @@ inline constexpr double min_fps = 1.0, max_fps = 1000.0;
 // How far ahead along the motion tiles are asked for.
 inline constexpr double ahead_s[] = {0.25, 0.75};
 
-// Of a tile that has not come yet; it is known when it does. Of the tiles of the ship and two real scenes a triangle
-// takes 30 to 110 bytes.
-inline constexpr std::uint64_t gpu_bytes_per_triangle = 80;
+// What a tile that has not come yet may take on the GPU, of its encoded bytes; when it comes, that is known.
+inline constexpr std::uint64_t gpu_bytes_per_byte = 16;
 
 struct RoamOptions {
     double fps = 30.0;                                // frames a second of the motion, whatever they take to draw
@@ -61,6 +60,7 @@ struct Roamed {
     std::vector<RoamFrame> frames;
     std::uint64_t fetched_tiles = 0;
     std::vector<std::string> failures;  // of each tile that could not be had: why
+    std::vector<std::string> warnings;  // of tiles that are drawn otherwise than they say
 };
 
 // `home` is the view where the motion gives no position. Frames are the background until the root is here. Popping is

@@ -35,11 +35,15 @@ std::uint64_t bytes_of_children(std::span<const LodNode> tree, const Residency& 
     return bytes;
 }
 
-// Returns whether the memory has room for all that the view refines.
+// Returns whether memory and triangles have room for all that the view refines.
 bool add_view(std::span<const LodNode> tree, const Residency& residency, const View& view, const StreamOptions& options,
               Wanted& wanted) {
     const Projection projection(view);
+    const auto seen_triangles = [&](std::uint32_t node) {
+        return projection.sees(tree[node].box) ? tree[node].triangles : 0;
+    };
     bool fits = true;
+    std::uint64_t triangles = seen_triangles(0);
     std::priority_queue<Candidate> open;
     const auto add = [&](std::uint32_t node) {
         if (tree[node].child_count == 0 || residency.is_end[node]) return;
@@ -50,6 +54,12 @@ bool add_view(std::span<const LodNode> tree, const Residency& residency, const V
     while (!open.empty()) {
         const std::uint32_t node = open.top().node;
         open.pop();
+        std::uint64_t refined_triangles = triangles - seen_triangles(node);
+        for_each_child(tree, node, [&](std::uint32_t child) { refined_triangles += seen_triangles(child); });
+        if (refined_triangles > options.max_triangles) {
+            fits = false;
+            continue;
+        }
         if (!wanted.is_refined[node]) {
             const std::uint64_t more = bytes_of_children(tree, residency, node);
             if (wanted.bytes + more > options.max_bytes) {
@@ -60,6 +70,7 @@ bool add_view(std::span<const LodNode> tree, const Residency& residency, const V
             wanted.refined.push_back(node);
             wanted.is_refined[node] = true;
         }
+        triangles = refined_triangles;
         for_each_child(tree, node, add);
     }
     return fits;

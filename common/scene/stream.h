@@ -27,6 +27,7 @@ struct Residency {
 
 struct StreamOptions {
     double tolerance_px = 1.0;             // nodes with no larger error on the screen are not refined
+    std::uint64_t max_triangles = ~0ull;   // of the cut that is wanted, in view; the root is wanted in any case
     std::uint64_t max_bytes = 512u << 20;  // held at once, what is being fetched included
     std::size_t max_requests = 8;          // in flight at once
 };
@@ -37,7 +38,7 @@ struct StreamStep {
     std::size_t ahead = 0;                // how many of the requests, the last ones, only a coming view asks for
     std::size_t missing = 0;              // nodes that the view itself wants and that are not here
     std::vector<std::uint32_t> dropped;   // no longer held from now on
-    bool bounded = false;                 // the memory held back what the tolerance asks for
+    bool bounded = false;                 // memory or triangles held back what the tolerance asks for
 };
 
 // One frame. Wanted is what the view refines, largest error on the screen first, as far as it fits into the memory with

@@ -91,6 +91,7 @@ TEST_F(HttpTilesTest, WhatIsWrongIsTheTilesErrorAndNamesIt) {
 TEST_F(HttpTilesTest, AStalledServerKeepsNobodyWaitingAndWhatIsQueuedCanBeCancelled) {
     const CannedServer server({{"HTTP/1.1 200 Fine\r\nContent-Length: 1000\r\n\r\nhalf of"}});
     tileset = testing::plates(3);
+    tileset.bytes.assign(tileset.bytes.size(), 1'000);
     open(server);
     const auto start = std::chrono::steady_clock::now();
     Nodes all(tileset.nodes.size());

@@ -13,7 +13,7 @@
 
 namespace lodestream::roam::testing {
 
-inline constexpr std::uint64_t tile_bytes = 1'000;  // of each, encoded
+inline constexpr std::uint64_t tile_bytes = 20;  // of each, encoded
 
 // A tree of squares on the plane y = 0, each divided into four, `levels` deep; side 2^(levels - 1) around the origin.
 inline proto::Tileset plates(std::uint32_t levels) {

@@ -108,6 +108,18 @@ TEST_F(RoamTest, ATileThatCannotBeDecodedIsCoveredByItsParentAndReportedOnce) {
     EXPECT_GT(roamed.frames.back().missed_px, 0.0);
 }
 
+TEST_F(RoamTest, TilesLargerThanTheirBytesLetExpectKeepToTheMemoryAllTheSame) {
+    FakeTiles tiles(tileset);
+    tileset.bytes.assign(tileset.bytes.size(), 1);
+    options.stream.max_bytes = 4'000;
+    options.stream.tolerance_px = 0.0;
+    const Roamed roamed = roam_through(tiles, {{0.0, {}}, {3.0, {}}});
+    for (const RoamFrame& frame : roamed.frames) EXPECT_LE(frame.gpu_bytes, 4'000u);
+    EXPECT_GT(roamed.frames.back().tiles, 4u);
+    EXPECT_GT(roamed.frames.back().missed_px, 0.0);
+    for (const auto& [node, times] : tiles.asked) EXPECT_LE(times, 2) << "node " << node << " is fetched in vain";
+}
+
 TEST_F(RoamTest, WhatTheNetworkFailsToBringIsAskedForAgainSomeTimes) {
     FakeTiles tiles(tileset);
     tiles.failing.emplace(3, fail(ErrorCode::io, "/3: timed out"));

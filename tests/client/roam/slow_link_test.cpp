@@ -20,11 +20,11 @@ using Nodes = std::vector<std::uint32_t>;
 
 class SlowLinkTest : public ::testing::Test {
   protected:
-    // 1,000 bytes a tile at 0.08 Mbit/s are 0.1 s.
+    // 20 bytes a tile at 1,600 bits a second are 0.1 s.
     Nodes take(SlowLink& from, double now_s) { return nodes_of(from.take(now_s)); }
     proto::Tileset tileset = testing::plates(3);
     FakeTiles tiles{tileset};
-    SlowLink link{tiles, tileset.bytes, {.rtt_ms = 50.0, .downlink_mbps = 0.08}};
+    SlowLink link{tiles, tileset.bytes, {.rtt_ms = 50.0, .downlink_mbps = 0.0016}};
 };
 
 TEST_F(SlowLinkTest, TilesComeOneAfterTheOtherAfterTheRoundTrip) {

@@ -166,6 +166,39 @@ TEST(Stream, WhatCannotBeHadIsCoveredByItsParentAndNotAskedForAgain) {
     EXPECT_GT(covering, 0u);
 }
 
+TEST(Stream, WithinTheTrianglesTheLargestErrorsAreRefined) {
+    Random random(33);
+    const LodTree tree = testing::made_tree(500, random);
+    std::size_t bounded = 0;
+    for (int round = 0; round < 40; ++round) {
+        const View view = testing::made_view(random, tree[0].box);
+        StreamOptions options;
+        options.max_triangles = 20'000;
+        const auto settled = [&](const StreamOptions& with) {
+            Residency residency = nothing_here(tree);
+            StreamStep now = step(tree, residency, view, with);
+            for (; !now.requests.empty(); now = step(tree, residency, view, with))
+                for (const std::uint32_t node : now.requests) EXPECT_TRUE(arrive(tree, residency, node, with));
+            return now;
+        };
+        const StreamStep some = settled(options), all = settled({});
+        EXPECT_TRUE(testing::covers_each_leaf_once(tree, some.drawn));
+        EXPECT_LE(testing::triangles_seen(tree, some.drawn, view), options.max_triangles);
+        EXPECT_EQ(some.bounded, testing::triangles_seen(tree, all.drawn, view) > options.max_triangles);
+        if (!some.bounded) continue;
+        ++bounded;
+        // Not far from what select() makes of the same triangles, which looks around the place where they end.
+        SelectOptions selection;
+        selection.budget = options.max_triangles;
+        const Projection projection(view);
+        double largest_px = 0.0;
+        for (const std::uint32_t node : some.drawn)
+            largest_px = std::max(largest_px, projection.error_px(tree[node].box, tree[node].error));
+        EXPECT_LE(largest_px, 4.0 * select(tree, view, selection).largest_error_px);
+    }
+    EXPECT_GT(bounded, 10u);
+}
+
 TEST(Stream, CountsWhatTheViewItselfIsMissing) {
     Random random(30);
     const LodTree tree = testing::made_tree(200, random);
