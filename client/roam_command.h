@@ -25,7 +25,7 @@ struct RoamArguments {
     double tolerance_px = 1.0;
     std::optional<std::uint64_t> triangles;
     double memory_mb = 256.0;  // 2^20 bytes on the GPU
-    double fade_ms = 500.0;
+    double fade_ms = 250.0;
     bool looks_ahead = true;
     roam::Link link;
     bool json = false;

@@ -30,7 +30,7 @@ inline constexpr std::uint64_t gpu_bytes_per_byte = 16;
 
 struct RoamOptions {
     double fps = 30.0;                                // frames a second of the motion, whatever they take to draw
-    double fade_s = 0.5;                              // how long levels fade into each other; 0: not at all
+    double fade_s = 0.25;                             // how long levels fade into each other; 0: not at all
     bool looks_ahead = true;                          // fetches what the motion leads to
     scene::StreamOptions stream{.max_requests = 32};  // its memory is the GPU's
     std::uint32_t width = 800, height = 600;          // px
