@@ -18,10 +18,10 @@
 // not drawn: points are for what is far away.
 //
 // A scene may be put together of parts that come and go, such as a tileset's tiles. Levels fade into each other by
-// dither: every sample of the canvas has a threshold in [0, 1) that stays where it is, 64 times the samples a pixel of
-// them in each square of 8 by 8 pixels, and a part is drawn at those of its share. Parts whose shares together are
-// [0, 1) so show exactly one of them at every sample. Where the driver tells samples apart (OpenGL ES 3.2) a pixel goes
-// over in as many steps as it has samples, else at once.
+// dither: every sample of the canvas has a threshold in [0, 1) that stays where it is, a different one for each sample
+// of a square of 8 by 8 pixels, and a part is drawn at the samples whose thresholds are in its share. Parts whose
+// shares together are [0, 1) so show exactly one of them at every sample. Where the driver tells samples apart (OpenGL
+// ES 3.2) a pixel goes over in as many steps as it has samples, else at once.
 //
 // Numbers: the scene is moved to its bounding sphere's centre and scaled to radius 1 in double precision before
 // anything becomes float, so extents of 1e-9 or 1e9 and origins far away draw alike.
