@@ -204,7 +204,8 @@ TEST_F(PartsTest, APartOfAnotherSceneIsRefused) {
 }
 
 TEST_F(PartsTest, WrongNumbersAreRefused) {
-    constexpr double infinite = std::numeric_limits<double>::infinity(), none = std::nan("");
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
     const Decoded content = content_of(wall(), Shading::flat, {1, 0, 0});
     for (const Box& box : {Box{}, cube(infinite), Box{Vec3d{0.0}, Vec3d{1.0, none, 1.0}}}) {
         EXPECT_FALSE(renderer->begin_scene(box));
