@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 
 #include "client/files.h"
 #include "client/fly/pilot.h"
@@ -13,42 +12,10 @@
 namespace lodestream::client {
 namespace {
 
-constexpr std::string_view built_in_prefix = "builtin:";
-constexpr std::uintmax_t max_motion_bytes = 256u << 20;
-
-Result<motion::Trace> read_motion(const std::string& motion) {
-    if (motion.starts_with(built_in_prefix)) {
-        const auto kind = motion::parse_kind(std::string_view(motion).substr(built_in_prefix.size()));
-        if (!kind) return kind.error();
-        return motion::built_in({*kind});
-    }
-    const auto text = read_text(motion, max_motion_bytes, "a motion");
-    if (!text) return text.error();
-    auto trace = motion::parse_csv(*text);
-    if (!trace) return fail(trace.error().code, motion + ": " + trace.error().message);
-    return trace;
-}
-
-Status write_text(const std::filesystem::path& path, const std::string& text) {
-    std::ofstream file(path, std::ios::binary | std::ios::trunc);
-    file << text << std::flush;
-    if (!file) return fail(ErrorCode::io, "cannot write " + path.string());
-    return Nothing{};
-}
-
-Status make_folder(const std::filesystem::path& folder) {
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) return fail(ErrorCode::io, "cannot make the folder " + folder.string() + ": " + error.message());
-    return Nothing{};
-}
-
-// frames/000000.png and so on.
+// A PNG a frame.
 auto png_writer(const std::filesystem::path& folder) {
-    return [folder, next = 0](const render::Image& image, const control::FrameRequest&) mutable {
-        char name[32];
-        std::snprintf(name, sizeof name, "%06d.png", next++);
-        return render::write_png(folder / name, image);
+    return [folder, next = std::size_t{0}](const render::Image& image, const control::FrameRequest&) mutable {
+        return render::write_png(numbered_png(folder, next++), image);
     };
 }
 

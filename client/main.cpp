@@ -1,6 +1,8 @@
 // The `lodestream-client` program: reads the command line and calls the command.
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <string>
 
@@ -9,6 +11,7 @@
 #include "client/render/image.h"
 #include "client/report/machine.h"
 #include "client/report/report.h"
+#include "client/roam_command.h"
 #include "client/sdk/client.h"
 #include "client/view_command.h"
 
@@ -38,6 +41,7 @@ int run(int argc, char** argv) {
         "      --out flat.png --width 320 --height 240 --shading flat --json\n"
         "  lodestream-client probe --json > this-device.json\n"
         "  lodestream-client fly --server http://127.0.0.1:8080 --asset teapot --motion builtin:mix --out flight.csv\n"
+        "  lodestream-client roam --server http://127.0.0.1:8080 --asset ship --out tour.csv --frames tour\n"
         "  lodestream-client report --out report --quick\n"
         "Run 'lodestream-client COMMAND --help' for one command's options.");
     std::function<Status()> command;
@@ -123,6 +127,58 @@ int run(int argc, char** argv) {
         "  lodestream-client fly --server http://127.0.0.1:8080 --asset teapot --motion away.csv --shading hybrid \\\n"
         "      --out flight.csv");
     fly_app->callback([&] { command = [&] { return client::fly(fly); }; });
+
+    // Which CLI::Range does not ask.
+    const CLI::Validator is_number(
+        [](const std::string& text) {
+            return std::isnan(std::strtod(text.c_str(), nullptr)) ? "must be a number" : std::string();
+        },
+        "");
+    client::RoamArguments roam;
+    CLI::App* roam_app = app.add_subcommand(
+        "roam", "Move through a scene whose tiles come meanwhile, its levels fading into each other");
+    roam_app->add_option("--server", roam.server, "http://HOST:PORT")->required()->check(is_server);
+    roam_app->add_option("--asset", roam.asset, "Name or id of the asset")->required();
+    roam_app->add_option("--motion", roam.motion,
+                         "FILE.csv with rows t_s,x,y,z,yaw_deg,pitch_deg, or builtin:NAME as for fly; left out: a tour "
+                         "past the scene, from afar close up and away again");
+    roam_app->add_option("--out", roam.out, "A row of numbers a frame, FILE.csv")->required();
+    roam_app->add_option("--frames", roam.frames, "Folder for a PNG of every frame");
+    roam_app->add_option("--width", roam.width, "px")->capture_default_str()->check(sides);
+    roam_app->add_option("--height", roam.height, "px")->capture_default_str()->check(sides);
+    roam_app->add_option("--fov", roam.fov_y_deg, "Vertical field of view, degrees")
+        ->capture_default_str()
+        ->check(is_number & CLI::Range(shading::min_fov_deg, shading::max_fov_deg));
+    roam_app->add_option("--fps", roam.fps, "Frames a second of the motion")
+        ->capture_default_str()
+        ->check(is_number & CLI::Range(roam::min_fps, roam::max_fps));
+    roam_app->add_option("--tolerance-px", roam.tolerance_px, "Error on the screen that is not worth a finer tile")
+        ->capture_default_str()
+        ->check(is_number & CLI::Range(0.0, 1e6));
+    roam_app->add_option("--triangles", roam.triangles,
+                         "Triangles in view that may be asked for, the largest errors first; left out: any number");
+    roam_app->add_option("--memory-mb", roam.memory_mb, "What all tiles together may take on the GPU")
+        ->capture_default_str()
+        ->check(is_number & CLI::Range(0.0, 1e6));
+    roam_app->add_option("--fade-ms", roam.fade_ms, "How long a level fades into the next; 0: it pops")
+        ->capture_default_str()
+        ->check(is_number & CLI::Range(0.0, 1e6));
+    roam_app->add_flag("!--no-prefetch", roam.looks_ahead, "Fetch nothing ahead of the motion");
+    roam_app->add_option("--rtt-ms", roam.link.rtt_ms, "As if the server were so far away")
+        ->capture_default_str()
+        ->check(is_number & CLI::Range(0.0, 1e5));
+    roam_app->add_option("--downlink-mbps", roam.link.downlink_mbps, "As if tiles came no faster; 0: as they come")
+        ->capture_default_str()
+        ->check(is_number & CLI::Range(0.0, 1e6));
+    roam_app->add_flag("--json", roam.json, "Print what was met as JSON");
+    roam_app->footer(
+        "Popping is what a change of levels alone changes in a pixel, in steps of 255: the levels of the frame before\n"
+        "are drawn once more in each frame's view.\n"
+        "Examples:\n"
+        "  lodestream-client roam --server http://127.0.0.1:8080 --asset ship --out tour.csv --frames tour\n"
+        "  lodestream-client roam --server http://127.0.0.1:8080 --asset ship --rtt-ms 80 --downlink-mbps 10 \\\n"
+        "      --triangles 50000 --memory-mb 16 --fade-ms 0 --no-prefetch --out phone.csv --json");
+    roam_app->callback([&] { command = [&] { return client::roam(roam); }; });
 
     report::ReportOptions report;
     report.command_line = report::joined(argc, argv);

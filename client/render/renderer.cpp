@@ -6,8 +6,10 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <new>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -30,7 +32,7 @@ enum Location : GLuint {
 struct Program {
     GLuint id = 0;
     GLint clip_from_scene = -1, offset = -1, eye = -1, lights = -1, light_count = -1, phong = -1, base_color = -1,
-          emissive = -1, alpha_cutoff = -1, disc = -1;
+          emissive = -1, alpha_cutoff = -1, disc = -1, share = -1;
 };
 
 enum class Style : std::uint8_t { gouraud, flat, points, quads };  // the last two of discs
@@ -39,8 +41,21 @@ constexpr double largest_disc_radius = 1e6;  // of the cloud's own; keeps what i
 constexpr float largest_quad_px = 1e6f;      // what is larger fills the picture
 constexpr double least_cut_px = 4.0;         // smaller discs with their centre outside the picture may be left out
 
+// What comes and goes together: an uploaded level, or a part of a scene.
+struct Group {
+    std::vector<mesh::Material> materials;
+    std::vector<GLuint> textures;  // one an image; the white one where it could not be decoded
+    UploadStatistics uploaded;
+    Sphere sphere;  // scene coordinates
+    // Of the frame at hand.
+    bool is_shown = true;
+    Share share;
+    bool is_fading() const { return share.from > 0.0 || share.to < 1.0; }
+};
+
 // What one draw call needs.
 struct Batch {
+    const Group* group = nullptr;
     Style style = Style::gouraud;
     std::uint32_t material = 0;
     GLuint vertex_array = 0;
@@ -55,6 +70,10 @@ struct Sent {
     std::uint64_t triangles = 0, points = 0;
     std::uint32_t draw_calls = 0;
 };
+
+bool is_blended(const Batch& batch) {
+    return batch.group->materials[batch.material].alpha_mode == mesh::AlphaMode::blend;
+}
 
 struct Target {
     std::uint32_t width = 0, height = 0, samples = 0;
@@ -80,9 +99,9 @@ bool gl_failed() {
     return failed;
 }
 
-Result<GLuint> compile(GLenum stage, const char* define, const char* source) {
+Result<GLuint> compile(GLenum stage, const char* head, const char* source) {
     const GLuint shader = glCreateShader(stage);
-    const std::array<const char*, 3> parts{shader_version, define, source};
+    const std::array<const char*, 3> parts{head, shader_limits, source};
     glShaderSource(shader, static_cast<GLsizei>(parts.size()), parts.data(), nullptr);
     glCompileShader(shader);
     GLint compiled = GL_FALSE;
@@ -94,10 +113,11 @@ Result<GLuint> compile(GLenum stage, const char* define, const char* source) {
     return fail(ErrorCode::internal, std::string("shader: ") + log.data());
 }
 
-Result<Program> link(const char* define) {
-    const auto vertex = compile(GL_VERTEX_SHADER, define, vertex_shader);
+// `head`: the version and what is defined.
+Result<Program> link(const char* head) {
+    const auto vertex = compile(GL_VERTEX_SHADER, head, vertex_shader);
     if (!vertex) return vertex.error();
-    const auto fragment = compile(GL_FRAGMENT_SHADER, define, fragment_shader);
+    const auto fragment = compile(GL_FRAGMENT_SHADER, head, fragment_shader);
     if (!fragment) {
         glDeleteShader(*vertex);
         return fragment.error();
@@ -126,6 +146,7 @@ Result<Program> link(const char* define) {
     program.emissive = uniform("u_emissive");
     program.alpha_cutoff = uniform("u_alpha_cutoff");
     program.disc = uniform("u_disc");
+    program.share = uniform("u_share");
     glUseProgram(program.id);
     glUniform1i(uniform("u_base_color_texture"), 0);
     glUniform1i(uniform("u_emissive_texture"), 1);
@@ -247,14 +268,6 @@ double median(std::vector<double> values) {
     return *middle;
 }
 
-bool valid_image(const mesh::TextureReference& reference, std::size_t images) {
-    return reference.image >= 0 && static_cast<std::size_t>(reference.image) < images;
-}
-
-bool is_textured(const mesh::Material& material, std::size_t images) {
-    return valid_image(material.base_color_texture, images) || valid_image(material.emissive_texture, images);
-}
-
 // OpenGL's rows run upwards.
 void flip_rows(Image& image) {
     const std::size_t row = std::size_t{image.width} * 4;
@@ -269,6 +282,7 @@ void flip_rows(Image& image) {
 
 struct Renderer::Impl {
     std::array<Program, styles> programs;
+    std::array<Program, 2> fading_programs;  // Gouraud and flat
     GLuint white_texture = 0;
     bool has_sample_shading = false;  // OpenGL ES 3.2
     float max_point_px = 1.0f;
@@ -276,12 +290,13 @@ struct Renderer::Impl {
     Target target, resolved;
 
     std::vector<Batch> batches;  // opaque and masked by material, then blended ones
-    std::vector<mesh::Material> materials;
-    std::vector<GLuint> textures;  // one an image; the white one where it could not be decoded
+    Group level;
+    std::optional<Box> scene_box;          // of the parts
+    std::map<std::uint32_t, Group> parts;  // of the scene
+    std::uint32_t next_part = 0;
     Placement placement;
     Vec3d origin{0.0};
     std::vector<points::Level> levels;  // of the cloud, model units
-    UploadStatistics uploaded;
     std::vector<Camera> exposures;  // of the frame at hand, the drawn view last
     struct Shown {
         Vec3f offset{0.0f};  // scene coordinates
@@ -301,14 +316,20 @@ struct Renderer::Impl {
         release(resolved);
         glDeleteTextures(1, &white_texture);
         for (const Program& program : programs) glDeleteProgram(program.id);
+        for (const Program& program : fading_programs) glDeleteProgram(program.id);
     }
 
     Status create();
     void clear();
-    std::vector<std::string> upload_textures(const std::vector<mesh::Image>& images);
+    void release_textures(Group& group) const;
     std::vector<std::string> begin_upload(const codec::Decoded& content);
+    Batch& add_batch(Group& group, std::uint32_t material, Style style, const Streams& streams);
     Batch& add_batch(const codec::Primitive& primitive, Style style, std::size_t images);
+    void sort_batches();
     Result<UploadStatistics> end_upload(std::vector<std::string> warnings);
+    Status begin_scene(const Box& box);
+    Result<std::uint32_t> add(const Part& part);
+    void remove(std::uint32_t part);
     Result<UploadStatistics> upload(const codec::Decoded& content);
     Result<UploadStatistics> upload(const MovableLevel& level);
     Result<UploadStatistics> upload(const codec::Points& content);
@@ -316,11 +337,14 @@ struct Renderer::Impl {
     Status check(const DrawOptions& options) const;
     Status prepare_targets(const DrawOptions& options);
     double disc_radius(std::uint64_t points) const;
+    bool may_see(const Sphere& sphere) const;
     void show(const DrawOptions& options, const std::vector<Sphere>& spheres);
+    Status show_parts(const DrawOptions& options);
     void set_camera(const Program& program, const Camera& camera, const std::vector<Vec4f>& lights,
                     const shading::Phong& phong) const;
-    void bind_texture(GLenum unit, const mesh::TextureReference& reference) const;
-    void set_material(const Program& program, const mesh::Material& material) const;
+    void bind_texture(GLenum unit, const mesh::TextureReference& reference, const Group& group) const;
+    void set_material(const Program& program, const mesh::Material& material, const Group& group) const;
+    const Program& use_program(Style style, const Group& group) const;
     void draw_batch(const Program& program, const Batch& batch, Style style);
     void draw_discs(const Program& program, const Shown& instance);
     Status expose(const shading::View& view, const DrawOptions& options, const Sphere& scene);
@@ -336,12 +360,23 @@ Status Renderer::Impl::create() {
     if (!glGetString(GL_VERSION)) return fail(ErrorCode::unavailable, "no OpenGL ES 3 context is current");
     if (driver_version() < 30) return fail(ErrorCode::unavailable, "the current context is not OpenGL ES 3");
     gl_failed();
-    constexpr std::array<const char*, styles> defines{"\n", "#define FLAT\n", "#define DISCS\n",
-                                                      "#define DISCS\n#define QUADS\n"};
+    has_sample_shading = driver_version() >= 32;
+    constexpr std::array<const char*, styles> heads{SHADER_300 "\n", SHADER_300 "#define FLAT\n",
+                                                    SHADER_300 "#define DISCS\n",
+                                                    SHADER_300 "#define DISCS\n#define QUADS\n"};
     for (std::size_t i = 0; i < styles; ++i) {
-        auto program = link(defines[i]);
+        auto program = link(heads[i]);
         if (!program) return program.error();
         programs[i] = *program;
+    }
+    constexpr std::array<const char*, 2> fading{SHADER_300 "#define FADING\n",
+                                                SHADER_300 "#define FLAT\n#define FADING\n"};
+    constexpr std::array<const char*, 2> fading_samples{SHADER_320 "#define FADING\n#define SAMPLES\n",
+                                                        SHADER_320 "#define FLAT\n#define FADING\n#define SAMPLES\n"};
+    for (std::size_t i = 0; i < fading_programs.size(); ++i) {
+        auto program = link(has_sample_shading ? fading_samples[i] : fading[i]);
+        if (!program) return program.error();
+        fading_programs[i] = *program;
     }
     const std::array<std::uint8_t, 4> white{255, 255, 255, 255};
     white_texture = make_texture(1, 1, white.data());
@@ -354,52 +389,29 @@ Status Renderer::Impl::create() {
     std::array<GLfloat, 2> point_px{};
     glGetFloatv(GL_ALIASED_POINT_SIZE_RANGE, point_px.data());
     max_point_px = std::max(point_px[1] - 1.0f, 1.0f);  // leaves room for what the shader may add
-    has_sample_shading = driver_version() >= 32;
     if (has_sample_shading) glMinSampleShading(1.0f);
     max_side = std::min({renderbuffer_side, viewport_side[0], viewport_side[1], static_cast<GLint>(image::max_side)});
     if (gl_failed()) return out_of_memory("the shaders and a white texture");
     return Nothing{};
 }
 
+void Renderer::Impl::release_textures(Group& group) const {
+    for (GLuint texture : group.textures)
+        if (texture != white_texture) glDeleteTextures(1, &texture);
+    group.textures.clear();
+}
+
 void Renderer::Impl::clear() {
     for (Batch& batch : batches) release(batch);
-    for (GLuint texture : textures)
-        if (texture != white_texture) glDeleteTextures(1, &texture);
+    release_textures(level);
+    for (auto& [id, part] : parts) release_textures(part);
     batches.clear();
-    textures.clear();
-    materials.clear();
+    parts.clear();
+    scene_box.reset();
+    level = {};
     levels.clear();
     placement = {};
     origin = Vec3d{0.0};
-    uploaded = {};
-}
-
-std::vector<std::string> Renderer::Impl::upload_textures(const std::vector<mesh::Image>& images) {
-    std::vector<std::string> warnings;
-    textures.assign(images.size(), white_texture);
-    std::vector<bool> used(images.size(), false);
-    for (const mesh::Material& material : materials)
-        for (const auto* reference : {&material.base_color_texture, &material.emissive_texture})
-            if (valid_image(*reference, images.size())) used[static_cast<std::size_t>(reference->image)] = true;
-    std::uint64_t texels = 0;
-    for (std::size_t i = 0; i < images.size(); ++i) {
-        if (!used[i]) continue;
-        const std::string where = "image " + std::to_string(i) + " is drawn white: ";
-        auto image = image::decode(images[i].bytes);
-        if (!image) {
-            warnings.push_back(where + image.error().message);
-            continue;
-        }
-        const bool too_wide = std::max(image->width, image->height) > static_cast<std::uint32_t>(max_texture_side);
-        if (too_wide || texels + image->pixels() > max_texture_texels) {
-            warnings.push_back(where + "larger than the driver or the limit for a level's textures allows");
-            continue;
-        }
-        texels += image->pixels();
-        textures[i] = make_texture(image->width, image->height, image->rgba.data());
-        uploaded.texture_bytes += image->rgba.size();
-    }
-    return warnings;
 }
 
 // Everything but the geometry, in place of the level before.
@@ -408,31 +420,43 @@ std::vector<std::string> Renderer::Impl::begin_upload(const codec::Decoded& cont
     gl_failed();
     placement = place(content);
     origin = content.origin;
-    materials = content.materials;
-    return upload_textures(content.images);
+    level.materials = content.materials;
+    level.textures.assign(content.images.size(), white_texture);
+    return decode_shown(content.images, content.materials, static_cast<std::uint32_t>(max_texture_side),
+                        [&](std::size_t i, Image&& image) {
+                            level.textures[i] = make_texture(image.width, image.height, image.rgba.data());
+                            level.uploaded.texture_bytes += image.rgba.size();
+                        });
 }
 
-Batch& Renderer::Impl::add_batch(const codec::Primitive& primitive, Style style, std::size_t images) {
-    const bool is_flat = style == Style::flat;
-    const bool textured = is_textured(materials[primitive.material], images);
+Batch& Renderer::Impl::add_batch(Group& group, std::uint32_t material, Style style, const Streams& streams) {
     Batch& batch = batches.emplace_back();
+    batch.group = &group;
     batch.style = style;
-    batch.material = primitive.material;
-    batch.corners = static_cast<GLsizei>(primitive.mesh.triangles.size() * 3);
-    const Streams streams = is_flat ? flat_streams(primitive.mesh, placement, textured)
-                                    : gouraud_streams(primitive.mesh, placement, textured);
-    uploaded.geometry_bytes += fill(batch, streams);
-    (is_flat ? uploaded.flat_vertices : uploaded.gouraud_vertices) += streams.positions.size();
+    batch.material = material;
+    batch.corners = static_cast<GLsizei>(streams.indices.size());
+    group.uploaded.geometry_bytes += fill(batch, streams);
+    (style == Style::flat ? group.uploaded.flat_vertices : group.uploaded.gouraud_vertices) += streams.positions.size();
     return batch;
 }
 
-Result<UploadStatistics> Renderer::Impl::end_upload(std::vector<std::string> warnings) {
-    if (gl_failed()) return out_of_memory(std::to_string(uploaded.triangles) + " triangles");
-    const auto blended = [&](const Batch& b) { return materials[b.material].alpha_mode == mesh::AlphaMode::blend; };
-    std::stable_sort(batches.begin(), batches.end(), [&](const Batch& a, const Batch& b) {
-        return std::tuple(blended(a), a.style, a.material) < std::tuple(blended(b), b.style, b.material);
+Batch& Renderer::Impl::add_batch(const codec::Primitive& primitive, Style style, std::size_t images) {
+    const bool textured = is_textured(level.materials[primitive.material], images);
+    return add_batch(level, primitive.material, style,
+                     style == Style::flat ? flat_streams(primitive.mesh, placement, textured)
+                                          : gouraud_streams(primitive.mesh, placement, textured));
+}
+
+void Renderer::Impl::sort_batches() {
+    std::stable_sort(batches.begin(), batches.end(), [](const Batch& a, const Batch& b) {
+        return std::tuple(is_blended(a), a.style, a.material) < std::tuple(is_blended(b), b.style, b.material);
     });
-    Result<UploadStatistics> result(uploaded);
+}
+
+Result<UploadStatistics> Renderer::Impl::end_upload(std::vector<std::string> warnings) {
+    if (gl_failed()) return out_of_memory(std::to_string(level.uploaded.triangles) + " triangles");
+    sort_batches();
+    Result<UploadStatistics> result(level.uploaded);
     result.warnings = std::move(warnings);
     return result;
 }
@@ -445,29 +469,29 @@ Result<UploadStatistics> Renderer::Impl::upload(const codec::Decoded& content) {
         if (triangles == 0) continue;
         const bool is_flat = primitive.shading == codec::Shading::flat;
         add_batch(primitive, is_flat ? Style::flat : Style::gouraud, content.images.size());
-        uploaded.triangles += triangles;
-        if (!is_flat) uploaded.gouraud_triangles += triangles;
+        level.uploaded.triangles += triangles;
+        if (!is_flat) level.uploaded.gouraud_triangles += triangles;
     }
     return end_upload(std::move(warnings));
 }
 
-Result<UploadStatistics> Renderer::Impl::upload(const MovableLevel& level) {
-    if (auto sound = check_drawable(level.content); !sound) return sound.error();
-    if (level.places.size() != level.content.primitives.size())
+Result<UploadStatistics> Renderer::Impl::upload(const MovableLevel& movable) {
+    if (auto sound = check_drawable(movable.content); !sound) return sound.error();
+    if (movable.places.size() != movable.content.primitives.size())
         return invalid_input("a movable level needs the places of each primitive's triangles");
-    auto warnings = begin_upload(level.content);
-    for (std::size_t i = 0; i < level.content.primitives.size(); ++i) {
-        const codec::Primitive& primitive = level.content.primitives[i];
-        if (primitive.mesh.triangles.size() != level.places[i].size() || primitive.shading == codec::Shading::flat)
+    auto warnings = begin_upload(movable.content);
+    for (std::size_t i = 0; i < movable.content.primitives.size(); ++i) {
+        const codec::Primitive& primitive = movable.content.primitives[i];
+        if (primitive.mesh.triangles.size() != movable.places[i].size() || primitive.shading == codec::Shading::flat)
             return invalid_input("a movable level has Gouraud primitives and a place for each of their triangles");
-        if (level.places[i].empty()) continue;
-        const auto places = std::make_shared<const std::vector<std::uint32_t>>(level.places[i]);
+        if (movable.places[i].empty()) continue;
+        const auto places = std::make_shared<const std::vector<std::uint32_t>>(movable.places[i]);
         for (const Style style : {Style::gouraud, Style::flat})
-            add_batch(primitive, style, level.content.images.size()).places = places;
-        uploaded.triangles += places->size();
-        uploaded.gouraud_triangles += places->size();
+            add_batch(primitive, style, movable.content.images.size()).places = places;
+        level.uploaded.triangles += places->size();
+        level.uploaded.gouraud_triangles += places->size();
     }
-    move_split(uploaded.triangles);
+    move_split(level.uploaded.triangles);
     return end_upload(std::move(warnings));
 }
 
@@ -478,16 +502,69 @@ Result<UploadStatistics> Renderer::Impl::upload(const codec::Points& content) {
     placement = place(content);
     origin = content.origin;
     levels = content.levels;
-    materials.emplace_back().base_color = content.base_color;
-    uploaded.points = content.cloud.positions.size();
-    if (uploaded.points > 0) {
+    level.materials.emplace_back().base_color = content.base_color;
+    level.uploaded.points = content.cloud.positions.size();
+    if (level.uploaded.points > 0) {
         Batch& batch = batches.emplace_back();
+        batch.group = &level;
         batch.style = Style::points;
-        batch.corners = static_cast<GLsizei>(uploaded.points);
-        uploaded.geometry_bytes = fill(batch, disc_streams(content.cloud, placement));
+        batch.corners = static_cast<GLsizei>(level.uploaded.points);
+        level.uploaded.geometry_bytes = fill(batch, disc_streams(content.cloud, placement));
     }
-    if (gl_failed()) return out_of_memory(std::to_string(uploaded.points) + " points");
-    return uploaded;
+    if (gl_failed()) return out_of_memory(std::to_string(level.uploaded.points) + " points");
+    return level.uploaded;
+}
+
+Status Renderer::Impl::begin_scene(const Box& box) {
+    clear();
+    if (box.empty() || !std::isfinite(box.radius())) return invalid_input("a scene needs a finite box");
+    placement = place(box);
+    scene_box = box;
+    return Nothing{};
+}
+
+Result<std::uint32_t> Renderer::Impl::add(const Part& part) {
+    const PreparedPart* prepared = part.prepared.get();
+    if (!prepared || !scene_box || prepared->scene.min != scene_box->min || prepared->scene.max != scene_box->max)
+        return invalid_input("a part was not prepared for the scene that was begun");
+    gl_failed();
+    const std::uint32_t id = next_part;
+    Group& group = parts[id];
+    ++next_part;
+    group.materials = prepared->materials;
+    group.sphere = prepared->sphere;
+    std::vector<std::string> warnings;
+    for (const Image& image : prepared->images) {
+        group.textures.push_back(white_texture);
+        if (image.rgba.empty()) continue;
+        if (std::max(image.width, image.height) > static_cast<std::uint32_t>(max_texture_side))
+            warnings.push_back("an image is drawn white: larger than the driver allows");
+        else
+            group.textures.back() = make_texture(image.width, image.height, image.rgba.data());
+    }
+    for (const PreparedPrimitive& primitive : prepared->primitives) {
+        add_batch(group, primitive.material, primitive.is_flat ? Style::flat : Style::gouraud, primitive.streams);
+        group.uploaded.triangles += primitive.triangles;
+    }
+    if (gl_failed()) {
+        remove(id);
+        return out_of_memory(std::to_string(part.triangles) + " triangles");
+    }
+    sort_batches();
+    Result<std::uint32_t> result(id);
+    result.warnings = std::move(warnings);
+    return result;
+}
+
+void Renderer::Impl::remove(std::uint32_t part) {
+    const auto found = parts.find(part);
+    if (found == parts.end()) return;
+    const auto is_of_part = [&](const Batch& batch) { return batch.group == &found->second; };
+    for (Batch& batch : batches)
+        if (is_of_part(batch)) release(batch);
+    std::erase_if(batches, is_of_part);
+    release_textures(found->second);
+    parts.erase(found);
 }
 
 void Renderer::Impl::move_split(std::uint64_t border) {
@@ -543,23 +620,23 @@ void Renderer::Impl::set_camera(const Program& program, const Camera& camera, co
                 static_cast<float>(phong.specular), static_cast<float>(phong.shininess));
 }
 
-void Renderer::Impl::bind_texture(GLenum unit, const mesh::TextureReference& reference) const {
+void Renderer::Impl::bind_texture(GLenum unit, const mesh::TextureReference& reference, const Group& group) const {
     glActiveTexture(unit);
-    const bool has_image = valid_image(reference, textures.size());
-    glBindTexture(GL_TEXTURE_2D, has_image ? textures[static_cast<std::size_t>(reference.image)] : white_texture);
+    const bool has_image = valid_image(reference, group.textures.size());
+    glBindTexture(GL_TEXTURE_2D, has_image ? group.textures[static_cast<std::size_t>(reference.image)] : white_texture);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap_mode(reference.wrap_s));
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap_mode(reference.wrap_t));
 }
 
-void Renderer::Impl::set_material(const Program& program, const mesh::Material& material) const {
+void Renderer::Impl::set_material(const Program& program, const mesh::Material& material, const Group& group) const {
     const bool blend = material.alpha_mode == mesh::AlphaMode::blend;
     const bool mask = material.alpha_mode == mesh::AlphaMode::mask;
     const Vec4f& base = material.base_color;
     glUniform4f(program.base_color, base.r, base.g, base.b, base.a);
     glUniform3f(program.emissive, material.emissive.r, material.emissive.g, material.emissive.b);
     glUniform1f(program.alpha_cutoff, mask ? material.alpha_cutoff : -1.0f);
-    bind_texture(GL_TEXTURE0, material.base_color_texture);
-    bind_texture(GL_TEXTURE1, material.emissive_texture);
+    bind_texture(GL_TEXTURE0, material.base_color_texture, group);
+    bind_texture(GL_TEXTURE1, material.emissive_texture, group);
     glDepthMask(blend ? GL_FALSE : GL_TRUE);
     blend ? glEnable(GL_BLEND) : glDisable(GL_BLEND);
 }
@@ -595,6 +672,21 @@ void Renderer::Impl::draw_batch(const Program& program, const Batch& batch, Styl
     }
 }
 
+// A fading batch's thresholds are counted in whole steps of the dither, so that no rounding shows one twice or never.
+const Program& Renderer::Impl::use_program(Style style, const Group& group) const {
+    const bool fades = group.is_fading();
+    const auto index = static_cast<std::size_t>(style);
+    const Program& program = fades ? fading_programs[index] : programs[index];
+    glUseProgram(program.id);
+    if (!fades) return program;
+    const GLint samples = has_sample_shading ? static_cast<GLint>(target.samples) : 1;
+    const auto step = [&](double threshold) {
+        return static_cast<GLint>(std::lround(threshold * dither_steps * samples));
+    };
+    glUniform3i(program.share, step(group.share.from), step(group.share.to), samples);
+    return program;
+}
+
 // Points are cheaper, but no larger than the driver allows, and gone where their centre is outside the picture.
 bool Renderer::Impl::needs_quads(const Sphere& centers, double radius, const Camera& camera) const {
     const double largest_px = largest_disc_px(camera, centers, radius, target.height);
@@ -608,17 +700,39 @@ double Renderer::Impl::disc_radius(std::uint64_t points) const {
     return std::min(points::level_of(levels, points).radius / placement.radius, largest_disc_radius);
 }
 
-// Of every exposure: one that only an earlier moment shows is shown.
+// By any exposure: what only an earlier moment shows is shown.
+bool Renderer::Impl::may_see(const Sphere& sphere) const {
+    return std::any_of(exposures.begin(), exposures.end(),
+                       [&](const Camera& camera) { return render::may_see(camera, sphere); });
+}
+
+Status Renderer::Impl::show_parts(const DrawOptions& options) {
+    for (auto& [id, group] : parts) group.is_shown = false;
+    for (const DrawnPart& drawn : options.parts) {
+        const auto found = parts.find(drawn.part);
+        if (found == parts.end())
+            return invalid_input("part " + std::to_string(drawn.part) + " is not there to be drawn");
+        if (!(drawn.share.from >= 0.0 && drawn.share.to <= 1.0))
+            return invalid_input("a part's share is not in [0, 1]");
+        Group& group = found->second;
+        group.share = drawn.share;
+        group.is_shown =
+            drawn.share.from < drawn.share.to && std::any_of(shown.begin(), shown.end(), [&](const Shown& s) {
+                return may_see({group.sphere.center + Vec3d(s.offset), group.sphere.radius});
+            });
+    }
+    return Nothing{};
+}
+
 void Renderer::Impl::show(const DrawOptions& options, const std::vector<Sphere>& spheres) {
     shown.clear();
     for (std::size_t i = 0; i < spheres.size(); ++i) {
-        const std::uint64_t points = std::min(options.instances[i].points, uploaded.points);
-        if (points == 0 && uploaded.points > 0) continue;
+        const std::uint64_t points = std::min(options.instances[i].points, level.uploaded.points);
+        if (points == 0 && level.uploaded.points > 0) continue;
         const double radius = disc_radius(points);
         const Sphere all{spheres[i].center, spheres[i].radius + radius};
-        const auto is_seen = [&](const Camera& camera) { return may_see(camera, all); };
         const auto is_large = [&](const Camera& camera) { return needs_quads(spheres[i], radius, camera); };
-        if (std::none_of(exposures.begin(), exposures.end(), is_seen)) continue;
+        if (!may_see(all)) continue;
         const bool as_quads = points > 0 && std::any_of(exposures.begin(), exposures.end(), is_large);
         shown.push_back({Vec3f(all.center), static_cast<GLsizei>(points), static_cast<float>(radius), as_quads});
     }
@@ -658,18 +772,15 @@ void Renderer::Impl::draw_exposures(const Program& program, const Batch& batch, 
 // Blended primitives from back to front by their centres; triangles inside one are not sorted.
 void Renderer::Impl::sort_blended() {
     const Vec3d& forward = exposures.back().forward;
-    const auto first = std::find_if(batches.begin(), batches.end(), [&](const Batch& b) {
-        return materials[b.material].alpha_mode == mesh::AlphaMode::blend;
-    });
+    const auto first = std::find_if(batches.begin(), batches.end(), is_blended);
     std::stable_sort(first, batches.end(),
                      [&](const Batch& a, const Batch& b) { return dot(a.center, forward) > dot(b.center, forward); });
 }
 
 void Renderer::Impl::draw_batch_as(Style style, const Batch& batch) {
-    const Program& program = programs[static_cast<std::size_t>(style)];
+    const Program& program = use_program(style, *batch.group);
     const bool samples_apart = batch.style == Style::points && target.samples > 1 && has_sample_shading;
-    glUseProgram(program.id);
-    set_material(program, materials[batch.material]);
+    set_material(program, batch.group->materials[batch.material], *batch.group);
     if (samples_apart) glEnable(GL_SAMPLE_SHADING);
     draw_exposures(program, batch, style);
     if (samples_apart) glDisable(GL_SAMPLE_SHADING);
@@ -689,10 +800,11 @@ void Renderer::Impl::draw_frame(const std::vector<Vec4f>& lights, const DrawOpti
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     if (!shown.empty()) {
         for (const Program& program : programs) set_camera(program, exposures.back(), lights, options.phong);
+        for (const Program& program : fading_programs) set_camera(program, exposures.back(), lights, options.phong);
         glVertexAttrib4f(location_color, 1.0f, 1.0f, 1.0f, 1.0f);
         glVertexAttrib3f(location_normal_or_previous, 0.0f, 0.0f, 0.0f);
         for (const Batch& batch : batches) {
-            if (batch.corners == 0) continue;
+            if (batch.corners == 0 || !batch.group->is_shown) continue;
             draw_batch_as(batch.style, batch);
             if (batch.style == Style::points) draw_batch_as(Style::quads, batch);
         }
@@ -755,6 +867,21 @@ void Renderer::move_split(std::uint64_t gouraud) {
     impl_->move_split(gouraud);
 }
 
+Status Renderer::begin_scene(const Box& scene) {
+    return impl_->begin_scene(scene);
+}
+Result<std::uint32_t> Renderer::add(const Part& part) {
+    try {
+        return impl_->add(part);
+    } catch (const std::bad_alloc&) {
+        impl_->remove(impl_->next_part - 1);
+        return fail(ErrorCode::limit_exceeded, "not enough memory for a part of the scene");
+    }
+}
+void Renderer::remove(std::uint32_t part) {
+    impl_->remove(part);
+}
+
 Result<Frame> Renderer::draw(const shading::View& view, const DrawOptions& options) {
     if (auto sound = shading::validate(view); !sound) return sound.error();
     if (auto sound = impl_->check(options); !sound) return sound.error();
@@ -764,6 +891,7 @@ Result<Frame> Renderer::draw(const shading::View& view, const DrawOptions& optio
     if (auto exposed = impl_->expose(view, options, around(spheres)); !exposed) return exposed.error();
     impl_->sort_blended();
     impl_->show(options, spheres);
+    if (auto shown = impl_->show_parts(options); !shown) return shown.error();
     gl_failed();
     if (options.frames > 1) {  // the first frame also pays for what the driver compiles and moves
         impl_->draw_frame(lights, options);

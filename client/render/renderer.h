@@ -18,6 +18,12 @@
 // where an instance comes so near that a disc may be larger than the driver's largest point or lie across the picture's
 // edge by more than a few pixels. One whose centre is behind the eye is not drawn.
 //
+// A scene may be put together of parts that come and go, such as a tileset's tiles. Levels fade into each other by
+// dither: every sample of the canvas has a threshold in [0, 1) that stays where it is, a different one for each sample
+// of a square of 8 by 8 pixels, and a part is drawn at the samples whose thresholds are in its share. Parts whose
+// shares together are [0, 1) so show exactly one of them at every sample. Where the driver tells samples apart (OpenGL
+// ES 3.2) a pixel goes over in as many steps as it has samples, else at once.
+//
 // Numbers: the scene is moved to its bounding sphere's centre and scaled to radius 1 in double precision before
 // anything becomes float, so extents of 1e-9 or 1e9 and origins far away draw alike.
 #pragma once
@@ -56,6 +62,17 @@ struct Instance {
     std::uint64_t points = all_points;  // of a cloud: the level, its first points; a mesh is drawn whole
 };
 
+// Of the thresholds in [0, 1), those that a part is drawn at: from <= threshold < to.
+struct Share {
+    double from = 0.0;
+    double to = 1.0;
+};
+
+struct DrawnPart {
+    std::uint32_t part = 0;  // as Renderer::add() named it
+    Share share{};
+};
+
 struct DrawOptions {
     std::uint32_t width = 800;   // px, >= 1, at most image::max_side and what the driver allows
     std::uint32_t height = 600;  // px, likewise
@@ -68,6 +85,7 @@ struct DrawOptions {
     shading::Phong phong{};
     std::vector<Light> lights{};                  // at most max_lights; empty: the view's light alone, at intensity 1
     std::vector<Instance> instances{Instance{}};  // those that no picture can show are left out
+    std::vector<DrawnPart> parts{};               // of the scene that was begun; likewise
 };
 
 struct Frame {
@@ -91,6 +109,19 @@ struct UploadStatistics {
 // A level as its decoded bytes would be, without encoding it: one primitive a material and shading. Empty `gouraud`:
 // all Gouraud. Gouraud triangles of a mesh without normals are flat. pre: gouraud is empty or one entry a triangle
 codec::Decoded drawable(const mesh::Model& model, const mesh::Mesh& level, std::span<const std::uint8_t> gouraud = {});
+
+struct PreparedPart;  // scene.h
+
+// A content of a scene as the GPU takes it.
+struct Part {
+    std::shared_ptr<const PreparedPart> prepared;
+    std::uint64_t triangles = 0;
+    std::uint64_t gpu_bytes = 0;  // buffers, and textures with their mip levels
+};
+
+// Does what needs no GPU, on any thread. All parts of a scene have its box, so what they share is at one place to the
+// bit. Images that cannot be decoded are drawn white and warned of. Errors: as upload(), invalid_input (the box).
+Result<Part> prepare(const codec::Decoded& content, const Box& scene);
 
 // Around everything that triangles use, in world coordinates.
 Box world_bounds(const codec::Decoded& content);
@@ -121,10 +152,20 @@ class Renderer {
     // has fewer): sets two ranges a material, uploads nothing. Without a movable level, nothing.
     void move_split(std::uint64_t gouraud);
 
-    // Draws what was uploaded; without an upload, or with an empty one, the background alone.
-    // Errors: invalid_input (view, sizes, more earlier moments than samples - 1), limit_exceeded (larger than the
-    // driver or the named limits allow), unsupported (earlier moments, and the driver has no sample masks or fewer
-    // samples).
+    // Begins a scene of parts in place of what was there. Errors: invalid_input (an empty or infinite box).
+    Status begin_scene(const Box& scene);
+
+    // Puts a part of the scene on the GPU and names it; drawn where DrawOptions::parts says so. Errors: invalid_input
+    // (prepared for another scene), limit_exceeded (GPU memory; the scene is as before).
+    Result<std::uint32_t> add(const Part& part);
+
+    // Takes it off the GPU. A part that is not there: nothing.
+    void remove(std::uint32_t part);
+
+    // Draws what was uploaded or, of a scene, the parts asked for; without either the background alone.
+    // Errors: invalid_input (view, sizes, a part that is not there, more earlier moments than samples - 1),
+    // limit_exceeded (larger than the driver or the named limits allow), unsupported (earlier moments, and the driver
+    // has no sample masks or fewer samples).
     Result<Frame> draw(const shading::View& view, const DrawOptions& options);
 
   private:

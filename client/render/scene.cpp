@@ -147,6 +147,15 @@ double depth_inside(const Camera& camera, const Vec3d& place, int axes) {
     return least;
 }
 
+template <class T>
+std::uint64_t bytes_of(const std::vector<T>& stream) {
+    return stream.size() * sizeof(T);
+}
+std::uint64_t bytes_of(const Streams& s) {
+    return bytes_of(s.positions) + bytes_of(s.normals) + bytes_of(s.first_corners) + bytes_of(s.previous_corners) +
+           bytes_of(s.colors) + bytes_of(s.texture_coordinates) + bytes_of(s.indices);
+}
+
 Mat4d perspective(double tan_half_fov_y, double aspect, double near, double far) {
     Mat4d m{0.0};
     m[0][0] = 1.0 / (tan_half_fov_y * aspect);
@@ -311,6 +320,77 @@ Streams disc_streams(const points::PointCloud& cloud, const Placement& placement
     for (const Vec3f& n : cloud.normals) s.normals.push_back(finite_or_zero(n));
     s.colors = cloud.colors;
     return s;
+}
+
+bool valid_image(const mesh::TextureReference& reference, std::size_t images) {
+    return reference.image >= 0 && static_cast<std::size_t>(reference.image) < images;
+}
+
+bool is_textured(const mesh::Material& material, std::size_t images) {
+    return valid_image(material.base_color_texture, images) || valid_image(material.emissive_texture, images);
+}
+
+std::vector<std::string> decode_shown(const std::vector<mesh::Image>& images,
+                                      const std::vector<mesh::Material>& materials, std::uint32_t widest,
+                                      const std::function<void(std::size_t image, Image&& pixels)>& take) {
+    std::vector<std::string> warnings;
+    std::vector<bool> shown(images.size(), false);
+    for (const mesh::Material& material : materials)
+        for (const auto* reference : {&material.base_color_texture, &material.emissive_texture})
+            if (valid_image(*reference, images.size())) shown[static_cast<std::size_t>(reference->image)] = true;
+    std::uint64_t texels = 0;
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        if (!shown[i]) continue;
+        const std::string where = "image " + std::to_string(i) + " is drawn white: ";
+        auto image = image::decode(images[i].bytes);
+        if (!image) {
+            warnings.push_back(where + image.error().message);
+        } else if (std::max(image->width, image->height) > widest || texels + image->pixels() > max_texture_texels) {
+            warnings.push_back(where + "larger than the driver or the limit for a level's textures allows");
+        } else {
+            texels += image->pixels();
+            take(i, *std::move(image));
+        }
+    }
+    return warnings;
+}
+
+Placement place(const Box& scene) {
+    const double radius = scene.radius();
+    return {scene.center(), radius > 0.0 ? radius : 1.0};
+}
+
+Result<Part> prepare(const codec::Decoded& content, const Box& scene) {
+    if (scene.empty() || !std::isfinite(scene.radius())) return invalid_input("a scene needs a finite box");
+    if (auto sound = check_drawable(content); !sound) return sound.error();
+    const auto prepared = std::make_shared<PreparedPart>();
+    prepared->scene = scene;
+    prepared->materials = content.materials;
+    prepared->images.resize(content.images.size());
+    Placement placement = place(scene);
+    placement.center -= content.origin;
+    Part part;
+    for (const codec::Primitive& primitive : content.primitives) {
+        if (primitive.mesh.triangles.empty()) continue;
+        const bool is_flat = primitive.shading == codec::Shading::flat;
+        const bool textured = is_textured(content.materials[primitive.material], content.images.size());
+        prepared->primitives.push_back({is_flat, primitive.material, primitive.mesh.triangles.size(),
+                                        is_flat ? flat_streams(primitive.mesh, placement, textured)
+                                                : gouraud_streams(primitive.mesh, placement, textured)});
+        part.triangles += primitive.mesh.triangles.size();
+        part.gpu_bytes += bytes_of(prepared->primitives.back().streams);
+    }
+    const Box box = local_bounds(content);
+    prepared->sphere = {(box.center() - placement.center) / placement.radius, box.radius() / placement.radius};
+    auto warnings =
+        decode_shown(content.images, content.materials, image::max_side, [&](std::size_t i, Image&& pixels) {
+            part.gpu_bytes += pixels.rgba.size() * 4 / 3;
+            prepared->images[i] = std::move(pixels);
+        });
+    part.prepared = prepared;
+    Result<Part> result(std::move(part));
+    result.warnings = std::move(warnings);
+    return result;
 }
 
 std::vector<Sphere> spheres_of(const std::vector<Instance>& instances, const Placement& placement) {

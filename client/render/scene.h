@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "client/render/renderer.h"
@@ -51,6 +53,32 @@ struct Sphere {
 // Of each instance's content in scene coordinates, and the sphere around all of them. pre: offsets are finite
 std::vector<Sphere> spheres_of(const std::vector<Instance>& instances, const Placement& placement);
 Sphere around(const std::vector<Sphere>& spheres);
+
+// Hands over those of the images that the materials show, decoded. Warns of those that cannot be, are wider or taller
+// than `widest`, or beyond what a level's textures may take.
+std::vector<std::string> decode_shown(const std::vector<mesh::Image>& images,
+                                      const std::vector<mesh::Material>& materials, std::uint32_t widest,
+                                      const std::function<void(std::size_t image, Image&& pixels)>& take);
+bool valid_image(const mesh::TextureReference& reference, std::size_t images);
+bool is_textured(const mesh::Material& material, std::size_t images);
+
+struct PreparedPrimitive {
+    bool is_flat = false;
+    std::uint32_t material = 0;
+    std::uint64_t triangles = 0;
+    Streams streams;
+};
+
+struct PreparedPart {
+    Box scene;
+    Sphere sphere;  // around its triangles
+    std::vector<PreparedPrimitive> primitives;
+    std::vector<mesh::Material> materials;
+    std::vector<Image> images;  // empty where it is not shown
+};
+
+// Of a scene's box, from the world's origin. pre: not empty, finite
+Placement place(const Box& scene);
 
 struct Camera {
     bool sees_scene = false;  // false: all of it is behind the eye, or much smaller than a pixel

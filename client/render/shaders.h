@@ -1,5 +1,5 @@
-// The one pair of shaders, compiled plain (Gouraud), with FLAT, with DISCS and with DISCS and QUADS; private to this
-// folder.
+// The one pair of shaders, compiled plain (Gouraud), with FLAT, with DISCS and with DISCS and QUADS, the first two also
+// with FADING, there with SAMPLES where the driver can tell them apart; private to this folder.
 //
 // A disc is a square sprite around its centre: a point or, where drivers allow none so large, four corners. A fragment
 // is kept where the ray from the eye through it meets the disc's plane within its radius: with the centre c and the
@@ -12,8 +12,11 @@
 
 namespace lodestream::render {
 
-inline constexpr const char* shader_version = "#version 300 es\n#define MAX_LIGHTS 64\n";
+#define SHADER_300 "#version 300 es\n"
+#define SHADER_320 "#version 320 es\n"
+inline constexpr const char* shader_limits = "#define MAX_LIGHTS 64\n#define DITHER_STEPS 64\n";
 static_assert(max_lights == 64);
+inline constexpr int dither_steps = 64;  // of a pixel's threshold, or of each of its samples'
 
 // gl_Position is invariant, so Gouraud and flat primitives that share a border cover it without cracks.
 inline constexpr const char* vertex_shader = R"(
@@ -131,6 +134,7 @@ void main() {
 
 inline constexpr const char* fragment_shader = R"(
 precision highp float;
+precision highp int;
 #if defined(FLAT) || defined(DISCS)
 flat in vec2 v_light;
 #else
@@ -151,7 +155,36 @@ uniform vec3 u_emissive;
 uniform float u_alpha_cutoff;
 out vec4 color;
 
+#ifdef FADING
+uniform ivec3 u_share;  // thresholds from and to, and samples a pixel
+
+// Bayer's matrix of 8 by 8 (1973): neighbours are as far apart as can be, and each square of 2, 4 or 8 has all steps.
+int dither(ivec2 at) {
+    int step = 0;
+    for (int i = 0; i < 3; ++i) step = step << 2 | ((at.x ^ at.y) >> i & 1) << 1 | (at.y >> i & 1);
+    return step;
+}
+
+// Bits of the samples whose thresholds are in the share. A pixel's samples are evenly apart, each first in turn.
+int samples_in_share() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    int threshold = dither(at), samples = 0;
+    for (int i = 0; i < u_share.z; ++i) {
+        int whole = (i + at.x + 2 * at.y) % u_share.z * DITHER_STEPS + threshold;
+        if (whole >= u_share.x && whole < u_share.y) samples |= 1 << i;
+    }
+    return samples;
+}
+#endif
+
 void main() {
+#ifdef FADING
+    int samples = samples_in_share();
+    if (samples == 0) discard;
+#ifdef SAMPLES
+    gl_SampleMask[0] = samples;
+#endif
+#endif
 #ifdef DISCS
 #ifdef QUADS
     vec2 at = v_at;

@@ -1,7 +1,6 @@
 #include "client/report/hlod_study.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "common/scene/select.h"
@@ -10,14 +9,9 @@ namespace lodestream::report {
 namespace {
 
 constexpr double near_share = 1e-3;  // of the distance to what is looked at
-constexpr double along_up_share = 1.0 - 1e-6;
 
 scene::View scene_view(const shading::View& from, const render::Image& canvas) {
-    scene::View view;
-    view.eye = from.eye;
-    view.target = from.target;
-    const Vec3d forward = normalize(from.target - from.eye);
-    if (std::abs(forward.y) > along_up_share) view.up = {1.0, 0.0, 0.0};
+    scene::View view = scene::view_towards(from.eye, from.target);
     view.fov_y_deg = from.fov_y_deg;
     view.width = canvas.width;
     view.height = canvas.height;

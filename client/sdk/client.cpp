@@ -218,6 +218,15 @@ Result<proto::Asset> Client::asset(const std::string& id) {
     return impl_->send_for(request, proto::parse_asset);
 }
 
+Result<proto::Asset> Client::find_asset(const std::string& id_or_name) {
+    const auto list = assets();
+    if (!list) return list.error();
+    const auto found = std::find_if(list->begin(), list->end(),
+                                    [&](const proto::Asset& a) { return a.id == id_or_name || a.name == id_or_name; });
+    if (found == list->end()) return fail(ErrorCode::not_found, "no asset \"" + id_or_name + "\" on the server");
+    return asset(found->id);
+}
+
 Result<proto::Tileset> Client::tileset(const std::string& asset_id) {
     HttpRequest request;
     request.target = "/v1/assets/" + percent_encode(asset_id) + "/tileset.json";
@@ -283,6 +292,10 @@ Result<proto::Asset> Client::upload(const std::string& name, std::span<const std
     request.token = token;
     request.repeatable = false;
     return impl_->send_for(request, proto::parse_asset);
+}
+
+void Client::cancel() {
+    impl_->connection.cancel();
 }
 
 Result<proto::Asset> Client::wait_ready(const std::string& id_or_name, double timeout_s) {

@@ -1,6 +1,6 @@
 // What a program needs of the service: list, plan, fetch, decode. Blocking, over one kept-alive HTTP/1.1 connection.
 // Nothing that arrives is trusted: every size, status, field and byte is checked, and a failure is one Error with the
-// server's own `detail` where it sent one. A Client is used by one thread at a time.
+// server's own `detail` where it sent one. A Client is used by one thread at a time, but for cancel().
 #pragma once
 
 #include <cstddef>
@@ -67,6 +67,7 @@ class Client {
 
     Result<std::vector<proto::Asset>> assets();
     Result<proto::Asset> asset(const std::string& id);
+    Result<proto::Asset> find_asset(const std::string& id_or_name);  // details as asset(); errors: not_found
 
     // Refuses a response that contradicts itself: a content URL that is not a path of this server, gouraud + flat that
     // is not the level's triangles, more triangles than the budget.
@@ -88,6 +89,9 @@ class Client {
     // Waits until the asset of this id or name is `ready`. Errors: not_found, invalid_input (its bake failed: why),
     // unavailable (still baking after `timeout_s`).
     Result<proto::Asset> wait_ready(const std::string& id_or_name, double timeout_s);
+
+    // From any thread: the request under way and all later ones fail (unavailable) without waiting for the server.
+    void cancel();
 
   private:
     struct Impl;

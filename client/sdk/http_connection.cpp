@@ -3,8 +3,10 @@
 #include <utility>
 // Asio of Boost 1.81 needs <utility> before it with g++ 12.
 #include <algorithm>
+#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
@@ -46,6 +48,7 @@ struct HttpConnection::Impl {
     asio::io_context io;
     std::optional<beast::tcp_stream> stream;
     beast::flat_buffer buffer;
+    std::atomic<bool> is_cancelled{false};
 
     using RequestMessage = http::request<http::span_body<const std::byte>>;
     using ResponseParser = http::response_parser<http::string_body>;
@@ -55,10 +58,19 @@ struct HttpConnection::Impl {
     template <class Start>
     error_code run(Start start) {
         error_code result;
+        if (is_cancelled) return asio::error::operation_aborted;
         start([&result](error_code error, auto&&...) { result = error; });
         io.restart();
         io.run();
         return result;
+    }
+
+    // Whatever runs is told by its own thread; what starts later sees the flag.
+    void cancel() {
+        is_cancelled = true;
+        asio::post(io, [this] {
+            if (stream) stream->cancel();
+        });
     }
 
     void close() {
@@ -136,6 +148,7 @@ struct HttpConnection::Impl {
 
     Error describe(const HttpRequest& request, error_code error) const {
         const std::string where = request.method + " " + request.target + " at " + authority(server) + ": ";
+        if (is_cancelled) return fail(ErrorCode::unavailable, where + "cancelled");
         if (error == http::error::body_limit)
             return fail(ErrorCode::limit_exceeded, where + "the response is larger than expected");
         if (error == http::error::end_of_stream || error == http::error::partial_message)
@@ -175,6 +188,10 @@ struct HttpConnection::Impl {
 HttpConnection::HttpConnection(ServerUrl server, std::optional<Link> link)
     : impl_(std::make_unique<Impl>(std::move(server), link)) {}
 HttpConnection::~HttpConnection() = default;
+
+void HttpConnection::cancel() {
+    impl_->cancel();
+}
 
 Result<HttpResponse> HttpConnection::exchange(const HttpRequest& request, std::uint64_t max_body_bytes) {
     try {

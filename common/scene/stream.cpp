@@ -35,20 +35,31 @@ std::uint64_t bytes_of_children(std::span<const LodNode> tree, const Residency& 
     return bytes;
 }
 
-// Returns whether the memory has room for all that the view refines.
+// Returns whether memory and triangles have room for all that the view refines.
 bool add_view(std::span<const LodNode> tree, const Residency& residency, const View& view, const StreamOptions& options,
               Wanted& wanted) {
     const Projection projection(view);
+    const auto seen_triangles = [&](std::uint32_t node) {
+        return projection.sees(tree[node].box) ? tree[node].triangles : 0;
+    };
     bool fits = true;
+    std::uint64_t triangles = seen_triangles(0);
     std::priority_queue<Candidate> open;
     const auto add = [&](std::uint32_t node) {
+        if (tree[node].child_count == 0 || residency.is_end[node]) return;
         const double error_px = projection.error_px(tree[node].box, tree[node].error);
-        if (tree[node].child_count > 0 && error_px > options.tolerance_px) open.push({error_px, node});
+        if (error_px > options.tolerance_px) open.push({error_px, node});
     };
     add(0);
     while (!open.empty()) {
         const std::uint32_t node = open.top().node;
         open.pop();
+        std::uint64_t refined_triangles = triangles - seen_triangles(node);
+        for_each_child(tree, node, [&](std::uint32_t child) { refined_triangles += seen_triangles(child); });
+        if (refined_triangles > options.max_triangles) {
+            fits = false;
+            continue;
+        }
         if (!wanted.is_refined[node]) {
             const std::uint64_t more = bytes_of_children(tree, residency, node);
             if (wanted.bytes + more > options.max_bytes) {
@@ -59,17 +70,29 @@ bool add_view(std::span<const LodNode> tree, const Residency& residency, const V
             wanted.refined.push_back(node);
             wanted.is_refined[node] = true;
         }
+        triangles = refined_triangles;
         for_each_child(tree, node, add);
     }
     return fits;
 }
 
-void mark_used(std::span<const LodNode> tree, Residency& residency, const Wanted& wanted) {
+// What is shown keeps what is above it.
+void mark_used(std::span<const LodNode> tree, Residency& residency, const Wanted& wanted,
+               std::span<const std::uint32_t> shown) {
     const auto use = [&](std::uint32_t node) {
         if (residency.has(node)) residency.last_used[node] = residency.frame;
     };
     use(0);
     for (const std::uint32_t node : wanted.refined) for_each_child(tree, node, use);
+    for (std::uint32_t node : shown)
+        for (; residency.has(node) && residency.last_used[node] < residency.frame; node = tree[node].parent) use(node);
+}
+
+std::size_t count_missing(std::span<const LodNode> tree, const Residency& residency, const Wanted& wanted) {
+    std::size_t missing = residency.has(0) ? 0 : 1;
+    for (const std::uint32_t node : wanted.refined)
+        for_each_child(tree, node, [&](std::uint32_t child) { missing += residency.has(child) ? 0 : 1; });
+    return missing;
 }
 
 // From the root down as far as it is wanted and all children are here.
@@ -90,13 +113,12 @@ std::vector<std::uint32_t> drawn_now(std::span<const LodNode> tree, const Reside
     return drawn;
 }
 
-// Wanted nodes that are not here and whose parent is.
+// Wanted nodes that are not here; parents are refined before their children.
 std::vector<std::uint32_t> next_requests(std::span<const LodNode> tree, const Residency& residency,
                                          const Wanted& wanted, std::size_t most) {
-    if (!residency.has(0)) return {0};
     std::vector<std::uint32_t> requests;
+    if (!residency.has(0)) requests.push_back(0);
     for (const std::uint32_t node : wanted.refined) {
-        if (!residency.has(node)) continue;
         for_each_child(tree, node, [&](std::uint32_t child) {
             if (!residency.has(child) && requests.size() < most) requests.push_back(child);
         });
@@ -131,25 +153,37 @@ std::vector<std::uint32_t> make_room(std::span<const LodNode> tree, Residency& r
     return dropped;
 }
 
+// Leaves out the last requests where what cannot be dropped yet takes their room. A root needs none.
+void keep_to_room(const Residency& residency, std::uint64_t max_bytes, std::vector<std::uint32_t>& requests) {
+    std::uint64_t bytes = residency.held_bytes;
+    const auto fits = [&](std::uint32_t node) {
+        bytes += residency.bytes[node];
+        return node == 0 || bytes <= max_bytes;
+    };
+    requests.erase(std::find_if_not(requests.begin(), requests.end(), fits), requests.end());
+}
+
 }  // namespace
 
 StreamStep step(std::span<const LodNode> tree, Residency& residency, const View& view, const StreamOptions& options,
-                std::span<const View> coming) {
+                std::span<const View> coming, std::span<const std::uint32_t> shown) {
     assert(!tree.empty() && residency.bytes.size() == tree.size());
     ++residency.frame;
     Wanted wanted{{}, std::vector<bool>(tree.size(), false), residency.bytes[0]};
     StreamStep result;
     result.bounded = !add_view(tree, residency, view, options, wanted);
+    result.missing = count_missing(tree, residency, wanted);
     const std::vector<bool> refined_now = wanted.is_refined;
     for (const View& later : coming) add_view(tree, residency, later, options, wanted);
     result.requests = next_requests(tree, residency, wanted, options.max_requests);
-    for (const std::uint32_t node : result.requests)
-        if (node != 0 && !refined_now[tree[node].parent]) ++result.ahead;
 
-    mark_used(tree, residency, wanted);
+    mark_used(tree, residency, wanted, shown);
     std::uint64_t bytes = 0;
     for (const std::uint32_t node : result.requests) bytes += residency.bytes[node];
     result.dropped = make_room(tree, residency, bytes, options.max_bytes);
+    keep_to_room(residency, options.max_bytes, result.requests);
+    for (const std::uint32_t node : result.requests)
+        if (node != 0 && !refined_now[tree[node].parent]) ++result.ahead;
     result.drawn = drawn_now(tree, residency, refined_now);
     return result;
 }
@@ -164,6 +198,10 @@ bool arrive(std::span<const LodNode> tree, Residency& residency, std::uint32_t n
         node == 0 ? std::max<std::uint64_t>(residency.frame, 1) : residency.last_used[tree[node].parent];
     residency.held_bytes += residency.bytes[node];
     return true;
+}
+
+void give_up(std::span<const LodNode> tree, Residency& residency, std::uint32_t node) {
+    if (node != 0) residency.is_end[tree[node].parent] = true;
 }
 
 }  // namespace lodestream::scene

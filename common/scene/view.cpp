@@ -10,6 +10,7 @@ namespace {
 
 constexpr double min_fov_deg = 1.0, max_fov_deg = 170.0;
 constexpr double least_sine = 1e-6;  // between the view and its up
+constexpr double along_y = 1.0 - 1e-6;
 
 Vec3d forward_of(const View& view) {
     return normalize(view.target - view.eye);
@@ -31,6 +32,14 @@ Status validate(const View& view) {
     if (!(view.near > 0) || !std::isfinite(view.near))
         return invalid_input("a view's near plane must be in front of the eye");
     return Nothing{};
+}
+
+View view_towards(const Vec3d& eye, const Vec3d& target) {
+    View view;
+    view.eye = eye;
+    view.target = target;
+    if (std::abs(forward_of(view).y) > along_y) view.up = {1.0, 0.0, 0.0};
+    return view;
 }
 
 View ahead_of(const View& before, const View& now, double steps) {

@@ -21,6 +21,9 @@ struct View {
 // a near plane that is not in front of the eye.
 Status validate(const View& view);
 
+// With +y upwards, or +x where it looks along y. pre: eye is not target
+View view_towards(const Vec3d& eye, const Vec3d& target);
+
 // Where the motion that led from `before` to `now` leads in `steps` times the time between them, with eye and direction
 // going on evenly. `now` itself where that is no valid view. pre: validate() of both, steps >= 0
 View ahead_of(const View& before, const View& now, double steps);

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <limits>
+#include <thread>
 
 #include "tests/client/sdk/canned_server.h"
 #include "tests/support/meshes.h"
@@ -437,6 +438,38 @@ TEST(Client, WaitEndsWhereTheAssetFailedIsMissingOrStaysBaking) {
     const auto late = open(slow).wait_ready("a1", 0.0);
     ASSERT_FALSE(late);
     EXPECT_EQ(late.error().code, ErrorCode::unavailable);
+}
+
+TEST(Client, IsFoundByNameOrIdWithItsDetails) {
+    const std::string list = json_reply(proto::to_json(std::vector<proto::Asset>{teapot(proto::AssetStatus::ready)}));
+    const std::string details = json_reply(proto::to_json(teapot(proto::AssetStatus::ready)));
+    CannedServer server({{list}, {details}, {list}, {details}, {list}});
+    Client client = open(server);
+    for (const char* name : {"teapot", "a1"}) {
+        const auto asset = client.find_asset(name);
+        ASSERT_TRUE(asset) << asset.error().message;
+        EXPECT_EQ(asset->id, "a1");
+    }
+    const auto missing = client.find_asset("kettle");
+    ASSERT_FALSE(missing);
+    EXPECT_EQ(missing.error().code, ErrorCode::not_found);
+    EXPECT_THAT(server.requests()[1], HasSubstr("GET /v1/assets/a1 "));
+}
+
+TEST(Client, CancellingEndsARequestThatTheServerLetsWait) {
+    CannedServer server({{"HTTP/1.1 200 Fine\r\nContent-Length: 100\r\n\r\nhalf of"}});
+    Client client = open(server);
+    std::thread canceller([&] {
+        while (server.requests().empty()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        client.cancel();
+    });
+    const auto start = std::chrono::steady_clock::now();
+    const auto bytes = client.fetch("/v1/content/x.glb", 100);
+    canceller.join();
+    ASSERT_FALSE(bytes);
+    EXPECT_EQ(bytes.error().code, ErrorCode::unavailable);
+    EXPECT_FALSE(client.assets()) << "cancelled for good";
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
 }
 
 }  // namespace

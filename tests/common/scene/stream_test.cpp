@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 
+#include "common/scene/fade.h"
 #include "common/scene/select.h"
 #include "tests/common/scene/trees.h"
 
@@ -28,7 +29,7 @@ TEST(Stream, FillsInFromTheRootToWhatTheViewSelects) {
         StreamOptions options;
         StreamStep now = step(tree, residency, view, options);
         EXPECT_TRUE(now.drawn.empty());
-        EXPECT_EQ(now.requests, std::vector<std::uint32_t>{0});
+        EXPECT_EQ(now.requests.front(), 0u);
         while (!now.requests.empty()) {
             for (const std::uint32_t node : now.requests) ASSERT_TRUE(arrive(tree, residency, node, options));
             now = step(tree, residency, view, options);
@@ -86,6 +87,135 @@ TEST(Stream, NeverAHoleNeverBothNeverBeyondTheMemoryWhateverArrives) {
         }
         ASSERT_TRUE(had_root);
     }
+}
+
+// The same with levels that fade, and with nodes that turn out to be larger than was said.
+TEST(Stream, WhatFadesIsNotDroppedAndTheMemoryStillHolds) {
+    Random random(28);
+    const LodTree tree = testing::made_tree(400, random);
+    for (const std::uint64_t max_bytes : {300'000ull, 1'000'000ull}) {
+        Residency residency = nothing_here(tree);
+        std::vector<std::uint64_t> true_bytes = residency.bytes;
+        for (std::uint64_t& bytes : true_bytes) bytes *= 1 + random.next() % 2;
+        StreamOptions options;
+        options.max_bytes = max_bytes;
+        Fading fading;
+        View view = testing::made_view(random, tree[0].box);
+        std::size_t faded = 0;
+        for (int frame = 0; frame < 3'000; ++frame) {
+            if (random.uniform() < 0.1) view = testing::made_view(random, tree[0].box);
+            const StreamStep now = step(tree, residency, view, options, {}, shown_nodes(fading));
+            const auto drawn = fade(tree, fading, now.drawn, view, 0.1);
+            for (const FadingNode& node : drawn) ASSERT_TRUE(residency.has(node.node)) << "frame " << frame;
+            for (const std::uint32_t node : now.dropped) ASSERT_FALSE(residency.has(node));
+            std::uint64_t asked_for = 0;
+            for (const std::uint32_t node : now.requests) asked_for += residency.bytes[node];
+            ASSERT_LE(residency.held_bytes + asked_for, max_bytes);
+            faded += fading.transitions.size();
+            for (const std::uint32_t node : now.requests) {
+                if (random.uniform() < 0.5) continue;
+                residency.bytes[node] = true_bytes[node];
+                arrive(tree, residency, node, options);
+                ASSERT_LE(residency.held_bytes, max_bytes);
+            }
+        }
+        EXPECT_GT(faded, 1'000u);
+        // Once nothing fades any more, all that is wanted comes.
+        for (int frame = 0; frame < 200; ++frame) {
+            const StreamStep now = step(tree, residency, view, options, {}, shown_nodes(fading));
+            fade(tree, fading, now.drawn, view, 0.5);
+            for (const std::uint32_t node : now.requests) {
+                residency.bytes[node] = true_bytes[node];
+                arrive(tree, residency, node, options);
+            }
+        }
+        EXPECT_EQ(step(tree, residency, view, options, {}, shown_nodes(fading)).missing, 0u);
+        EXPECT_TRUE(fading.transitions.empty());
+    }
+}
+
+TEST(Stream, WhatCannotBeHadIsCoveredByItsParentAndNotAskedForAgain) {
+    Random random(29);
+    const LodTree tree = testing::made_tree(200, random);
+    View view = view_towards(tree[0].box.center() + Vec3d{0.0, 0.0, 100.0}, tree[0].box.center());
+    view.near = 0.1;
+    StreamOptions options;
+    options.tolerance_px = 0.01;
+    Residency residency = nothing_here(tree);
+    std::vector<bool> is_broken(tree.size(), false), was_asked(tree.size(), false);
+    for (std::uint32_t node = 1; node < tree.size(); ++node) is_broken[node] = random.uniform() < 0.1;
+    StreamStep now = step(tree, residency, view, options);
+    for (; !now.requests.empty(); now = step(tree, residency, view, options)) {
+        for (const std::uint32_t node : now.requests) {
+            ASSERT_FALSE(is_broken[node] && was_asked[node]) << "asked for again";
+            was_asked[node] = true;
+            if (is_broken[node])
+                give_up(tree, residency, node);
+            else
+                arrive(tree, residency, node, options);
+        }
+    }
+    EXPECT_TRUE(testing::covers_each_leaf_once(tree, now.drawn));
+    EXPECT_EQ(now.missing, 0u);
+    std::size_t covering = 0;
+    for (const std::uint32_t node : now.drawn) {
+        EXPECT_FALSE(is_broken[node]);
+        for (std::uint32_t k = 0; k < tree[node].child_count; ++k)
+            covering += is_broken[tree[node].first_child + k] ? 1 : 0;
+    }
+    EXPECT_GT(covering, 0u);
+}
+
+TEST(Stream, WithinTheTrianglesTheLargestErrorsAreRefined) {
+    Random random(33);
+    const LodTree tree = testing::made_tree(500, random);
+    std::size_t bounded = 0;
+    for (int round = 0; round < 40; ++round) {
+        const View view = testing::made_view(random, tree[0].box);
+        StreamOptions options;
+        options.max_triangles = 20'000;
+        const auto settled = [&](const StreamOptions& with) {
+            Residency residency = nothing_here(tree);
+            StreamStep now = step(tree, residency, view, with);
+            for (; !now.requests.empty(); now = step(tree, residency, view, with))
+                for (const std::uint32_t node : now.requests) EXPECT_TRUE(arrive(tree, residency, node, with));
+            return now;
+        };
+        const StreamStep some = settled(options), all = settled({});
+        EXPECT_TRUE(testing::covers_each_leaf_once(tree, some.drawn));
+        EXPECT_LE(testing::triangles_seen(tree, some.drawn, view), options.max_triangles);
+        EXPECT_EQ(some.bounded, testing::triangles_seen(tree, all.drawn, view) > options.max_triangles);
+        if (!some.bounded) continue;
+        ++bounded;
+        // Not far from what select() makes of the same triangles, which looks around the place where they end.
+        SelectOptions selection;
+        selection.budget = options.max_triangles;
+        const Projection projection(view);
+        double largest_px = 0.0;
+        for (const std::uint32_t node : some.drawn)
+            largest_px = std::max(largest_px, projection.error_px(tree[node].box, tree[node].error));
+        EXPECT_LE(largest_px, 4.0 * select(tree, view, selection).largest_error_px);
+    }
+    EXPECT_GT(bounded, 10u);
+}
+
+TEST(Stream, CountsWhatTheViewItselfIsMissing) {
+    Random random(30);
+    const LodTree tree = testing::made_tree(200, random);
+    View view = view_towards(tree[0].box.center() + Vec3d{0.0, 0.0, 100.0}, tree[0].box.center());
+    view.near = 0.1;
+    StreamOptions options;
+    options.tolerance_px = 0.01;
+    options.max_requests = 1;
+    Residency residency = nothing_here(tree);
+    std::size_t before = step(tree, residency, view, options).missing;
+    EXPECT_GT(before, 50u);
+    for (StreamStep now = step(tree, residency, view, options); !now.requests.empty();) {
+        ASSERT_TRUE(arrive(tree, residency, now.requests[0], options));
+        now = step(tree, residency, view, options);
+        ASSERT_EQ(now.missing, --before);
+    }
+    EXPECT_EQ(before, 0u);
 }
 
 TEST(Stream, WhatIsWantedAlwaysFindsRoom) {

@@ -105,6 +105,16 @@ TEST(View, RefusesWhatIsNoView) {
     EXPECT_TRUE(refused([](View& v) { v.target = Vec3d{1e308}, v.eye = Vec3d{-1e308}; }));
 }
 
+TEST(ViewTowards, IsAValidViewInEveryDirection) {
+    const Vec3d eye{3.0, -2.0, 1e6};
+    for (const Vec3d& direction :
+         {Vec3d{0, 1, 0}, Vec3d{0, -1, 0}, Vec3d{1e-9, 1, 0}, Vec3d{1, 0, 0}, Vec3d{0, 0, -5}}) {
+        const View view = view_towards(eye, eye + direction);
+        EXPECT_TRUE(validate(view));
+        EXPECT_EQ(view.eye, eye);
+    }
+}
+
 TEST(AheadOf, GoesOnStraightAndTurnsOnAsTheMotionDid) {
     View before, now;
     before.eye = {0, 0, 0};

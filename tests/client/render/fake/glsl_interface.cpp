@@ -85,7 +85,7 @@ std::size_t elements_of(const std::string& size, const Defines& defines) {
 std::size_t components_of(std::string_view type) {
     if (type == "mat4") return 16;
     if (type == "mat3") return 9;
-    return type.starts_with("vec") ? static_cast<std::size_t>(type.back() - '0') : 1;
+    return type.starts_with("vec") || type.starts_with("ivec") ? static_cast<std::size_t>(type.back() - '0') : 1;
 }
 
 Result<GlslInterface> glsl_interface(const std::string& source) {

@@ -568,6 +568,10 @@ void glUniform1f(GLint location, GLfloat x) {
 void glUniform1i(GLint location, GLint x) {
     now().set_uniform(location, {"int", "sampler2D"}, std::array{static_cast<float>(x)});
 }
+void glUniform3i(GLint location, GLint x, GLint y, GLint z) {
+    now().set_uniform(location, {"ivec3"},
+                      std::array{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
+}
 void glUniform3f(GLint location, GLfloat x, GLfloat y, GLfloat z) {
     now().set_uniform(location, {"vec3"}, std::array{x, y, z});
 }

@@ -1,0 +1,283 @@
+#include "client/roam/roam.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "client/fly/scenery.h"
+#include "client/sdk/client.h"
+#include "common/scene/fade.h"
+
+namespace lodestream::roam {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double near_share = 1e-4;  // of the scene's radius
+
+double ms_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+Status check(const RoamOptions& options) {
+    if (!(options.fps >= min_fps && options.fps <= max_fps)) return invalid_input("frames a second must be 1 to 1000");
+    if (!(options.fade_s >= 0.0) || !std::isfinite(options.fade_s)) return invalid_input("a fade's time is negative");
+    if (!(options.stream.tolerance_px >= 0.0)) return invalid_input("the tolerance is negative");
+    if (options.stream.max_requests == 0) return invalid_input("at least one request must be allowed");
+    return Nothing{};
+}
+
+std::vector<std::uint64_t> guessed_bytes(std::vector<std::uint64_t> encoded) {
+    for (std::uint64_t& bytes : encoded) bytes = gpu_bytes_per_byte * std::min(bytes, sdk::max_content_bytes);
+    return encoded;
+}
+
+// What was drawn in a frame, to be drawn again in the next one's view.
+using Drawn = std::vector<render::DrawnPart>;
+
+bool is_same(Drawn a, Drawn b) {
+    const auto key = [](const render::DrawnPart& d) { return std::tuple(d.part, d.share.from, d.share.to); };
+    std::ranges::sort(a, {}, key);
+    std::ranges::sort(b, {}, key);
+    return std::ranges::equal(a, b, {}, key, key);
+}
+
+class Roamer {
+  public:
+    Roamer(render::Renderer& renderer, const proto::Tileset& tileset, Tiles& tiles, const RoamOptions& options)
+        : renderer_(renderer),
+          tree_(tileset.nodes),
+          bytes_(tileset.bytes),
+          tiles_(tiles),
+          options_(options),
+          residency_(guessed_bytes(tileset.bytes)),
+          fade_step_(options.fade_s > 0.0 ? 1.0 / (options.fade_s * options.fps) : 1.0) {}
+
+    Status draw_frame(double t_s, const shading::View& seen) {
+        const scene::View view = view_of(seen);
+        if (Status valid = scene::validate(view); !valid) return valid;
+        if (Status received = receive(t_s); !received) return received;
+        const scene::StreamStep now = step(view);
+        want(now.requests, t_s);
+        const auto shown = scene::fade(tree_, fading_, now.drawn, view, fade_step_);
+        RoamFrame frame;
+        frame.t_s = t_s;
+        frame.tiles = now.drawn.size();
+        frame.missing_tiles = now.missing;
+        frame.fetched_bytes = fetched_bytes_;
+        frame.gpu_bytes = residency_.held_bytes;
+        tell_errors(view, now.drawn, shown, frame);
+        if (Status drawn = draw(seen, shown, frame); !drawn) return drawn;
+        for (const std::uint32_t node : now.dropped) release(node);
+        roamed_.frames.push_back(frame);
+        return Nothing{};
+    }
+
+    Roamed finish() { return std::move(roamed_); }
+
+  private:
+    scene::View view_of(const shading::View& seen) const {
+        scene::View view = scene::view_towards(seen.eye, seen.target);
+        view.fov_y_deg = seen.fov_y_deg;
+        view.width = options_.width;
+        view.height = options_.height;
+        const double radius = tree_.front().box.radius();
+        view.near = near_share * (radius > 0.0 ? radius : 1.0);
+        return view;
+    }
+
+    // But for those that are here and wait for what is above them.
+    void want(std::vector<std::uint32_t> requests, double t_s) {
+        std::erase_if(early_, [&](const auto& entry) { return std::ranges::count(requests, entry.first) == 0; });
+        std::erase_if(requests, [&](std::uint32_t node) { return early_.contains(node); });
+        tiles_.want(requests, t_s);
+    }
+
+    Status receive(double t_s) {
+        for (Arrival& arrival : tiles_.take(t_s)) {
+            if (arrival.part) {
+                ++roamed_.fetched_tiles;
+                fetched_bytes_ += bytes_[arrival.node];
+                warn_of(arrival.part.warnings);
+                early_.insert_or_assign(arrival.node, *std::move(arrival.part));
+            } else if (Status missed = miss(arrival.node, arrival.part.error()); !missed) {
+                return missed;
+            }
+        }
+        // In rising order, so parents are kept before their children.
+        for (auto tile = early_.begin(); tile != early_.end();) {
+            const auto [node, part] = *tile;
+            if (node != 0 && !residency_.has(tree_[node].parent)) {
+                ++tile;
+                continue;
+            }
+            tile = early_.erase(tile);
+            if (Status kept = keep(node, part); !kept) return kept;
+        }
+        return Nothing{};
+    }
+
+    Status keep(std::uint32_t node, const render::Part& part) {
+        if (residency_.has(node)) return Nothing{};
+        residency_.bytes[node] = part.gpu_bytes;
+        if (!arrive(tree_, residency_, node, options_.stream)) return Nothing{};
+        const auto start = Clock::now();
+        const auto added = renderer_.add(part);
+        if (!added) return added.error();
+        upload_ms_ += ms_since(start);
+        warn_of(added.warnings);
+        parts_[node] = *added;
+        return Nothing{};
+    }
+
+    void warn_of(const std::vector<std::string>& warnings) {
+        roamed_.warnings.insert(roamed_.warnings.end(), warnings.begin(), warnings.end());
+    }
+
+    // What the network failed to bring may come at another time; what cannot be decoded will not.
+    Status miss(std::uint32_t node, const Error& error) {
+        const bool may_come = error.code == ErrorCode::io || error.code == ErrorCode::unavailable;
+        if (may_come && ++attempts_[node] < max_attempts) return Nothing{};
+        fetched_bytes_ += may_come ? 0 : bytes_[node];
+        if (node == 0) return error;
+        roamed_.failures.push_back(error.message);
+        give_up(tree_, residency_, node);
+        return Nothing{};
+    }
+
+    scene::StreamStep step(const scene::View& view) {
+        std::vector<scene::View> coming;
+        if (options_.looks_ahead && before_)
+            for (const double s : ahead_s) coming.push_back(scene::ahead_of(*before_, view, s * options_.fps));
+        before_ = view;
+        return scene::step(tree_, residency_, view, options_.stream, coming, scene::shown_nodes(fading_));
+    }
+
+    void tell_errors(const scene::View& view, const std::vector<std::uint32_t>& cut,
+                     const std::vector<scene::FadingNode>& shown, RoamFrame& frame) const {
+        const scene::Projection projection(view);
+        const auto error_px = [&](std::uint32_t node) {
+            return projection.error_px(tree_[node].box, tree_[node].error);
+        };
+        for (const std::uint32_t node : cut)
+            frame.missed_px += std::max(0.0, error_px(node) - options_.stream.tolerance_px);
+        for (const scene::FadingNode& node : shown) {
+            frame.error_px = std::max(frame.error_px, error_px(node.node));
+            frame.fading_tiles += node.from > 0.0 || node.to < 1.0 ? 1 : 0;
+        }
+    }
+
+    // What comes into view in other levels than it had out of it does not pop.
+    void replace_unseen() {
+        for (const scene::Transition& unseen : fading_.unseen) {
+            for (const std::uint32_t node : unseen.going)
+                std::erase_if(drawn_, [&](const render::DrawnPart& d) { return d.part == parts_.at(node); });
+            for (const std::uint32_t node : unseen.coming) drawn_.push_back({parts_.at(node)});
+        }
+    }
+
+    // What is shown does not leave the residency, so all of the frame before is still here.
+    Status draw(const shading::View& seen, const std::vector<scene::FadingNode>& shown, RoamFrame& frame) {
+        Drawn drawn;
+        for (const scene::FadingNode& node : shown) drawn.push_back({parts_.at(node.node), {node.from, node.to}});
+        std::optional<render::Image> unchanged;
+        replace_unseen();
+        if (!drawn_.empty() && !is_same(drawn, drawn_)) {
+            auto old = picture(seen, drawn_);
+            if (!old) return old.error();
+            unchanged = std::move(old->image);
+        }
+        auto picture_now = picture(seen, drawn);
+        if (!picture_now) return picture_now.error();
+        frame.frame_ms = std::exchange(upload_ms_, 0.0) + picture_now->frame_ms;
+        frame.triangles = picture_now->triangles;
+        if (unchanged) {
+            const auto popping = popping_between(*unchanged, picture_now->image);
+            if (!popping) return popping.error();
+            frame.popping = *popping;
+            frame.has_changed = true;
+        }
+        drawn_ = std::move(drawn);
+        return options_.on_frame ? options_.on_frame(picture_now->image) : Nothing{};
+    }
+
+    Result<render::Frame> picture(const shading::View& seen, const Drawn& drawn) {
+        render::DrawOptions drawing;
+        drawing.width = options_.width;
+        drawing.height = options_.height;
+        drawing.samples = options_.samples;
+        drawing.parts = drawn;
+        return renderer_.draw(seen, drawing);
+    }
+
+    void release(std::uint32_t node) {
+        renderer_.remove(parts_.at(node));
+        parts_.erase(node);
+    }
+
+    render::Renderer& renderer_;
+    const scene::LodTree& tree_;
+    const std::vector<std::uint64_t>& bytes_;
+    Tiles& tiles_;
+    const RoamOptions& options_;
+    scene::Residency residency_;
+    scene::Fading fading_;
+    double fade_step_;
+    std::optional<scene::View> before_;
+    Drawn drawn_;
+    std::map<std::uint32_t, std::uint32_t> parts_;  // of each node that is here, as the renderer names it
+    std::map<std::uint32_t, render::Part> early_;   // came before what is above them
+    std::map<std::uint32_t, int> attempts_;
+    std::uint64_t fetched_bytes_ = 0;
+    double upload_ms_ = 0.0;  // of the frame at hand
+    Roamed roamed_;
+};
+
+}  // namespace
+
+Result<Roamed> roam(render::Renderer& renderer, const proto::Tileset& tileset, Tiles& tiles,
+                    const motion::Trace& motion, const shading::View& home, const RoamOptions& options) {
+    if (Status sound = check(options); !sound) return sound.error();
+    if (motion.empty()) return invalid_input("a motion needs at least one sample");
+    const double frames = std::floor(motion::duration_s(motion) * options.fps) + 1.0;
+    if (!(frames <= static_cast<double>(max_frames)))
+        return fail(ErrorCode::limit_exceeded, "the motion has too many frames");
+    if (Status begun = renderer.begin_scene(tileset.nodes.front().box); !begun) return begun.error();
+    Roamer roamer(renderer, tileset, tiles, options);
+    for (double frame = 0.0; frame < frames; ++frame) {
+        const double t_s = frame / options.fps;
+        if (options.wait_until) options.wait_until(t_s);
+        const motion::Pose pose = motion::pose_at(motion, motion.front().t_s + t_s);
+        if (Status drawn = roamer.draw_frame(t_s, fly::view_of(home, pose)); !drawn) return drawn.error();
+    }
+    return roamer.finish();
+}
+
+RoamSummary summarize(const Roamed& roamed) {
+    RoamSummary out;
+    out.frames = roamed.frames.size();
+    if (roamed.frames.empty()) return out;
+    const auto count = static_cast<double>(out.frames);
+    out.first_picture_s = roamed.frames.back().t_s;
+    for (const RoamFrame& frame : roamed.frames) {
+        if (frame.tiles > 0) out.first_picture_s = std::min(out.first_picture_s, frame.t_s);
+        out.mean_frame_ms += frame.frame_ms / count;
+        out.worst_frame_ms = std::max(out.worst_frame_ms, frame.frame_ms);
+        out.mean_error_px += frame.error_px / count;
+        out.mean_missed_px += frame.missed_px / count;
+        out.missing_frames += (frame.missing_tiles > 0 ? 1.0 : 0.0) / count;
+        out.peak_gpu_bytes = std::max(out.peak_gpu_bytes, frame.gpu_bytes);
+        out.changes += frame.has_changed ? 1 : 0;
+        out.popping_largest = std::max(out.popping_largest, frame.popping.largest);
+        out.popping_p999 = std::max(out.popping_p999, frame.popping.p999);
+        out.popping_rms = std::max(out.popping_rms, frame.popping.rms);
+    }
+    return out;
+}
+
+}  // namespace lodestream::roam
