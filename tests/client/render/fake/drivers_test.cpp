@@ -378,5 +378,85 @@ TEST_F(DriversTest, ContextsInTurnKeepTheirObjectsApart) {
     EXPECT_EQ(draws_of().size(), 2u);
 }
 
+constexpr double cube_side = 4.0;
+const Box cube{Vec3d{-cube_side / 2.0}, Vec3d{cube_side / 2.0}};
+
+Part part_of(const Decoded& content) {
+    auto part = prepare(content, cube);
+    EXPECT_TRUE(part) << part.error().message;
+    return part ? *std::move(part) : Part{};
+}
+
+// At every byte where it may run out: what was there is drawn as before, and nothing of the other is left.
+TEST_F(DriversTest, APartThatDoesNotFitLeavesTheSceneAsItWas) {
+    create();
+    ASSERT_TRUE(renderer->begin_scene(cube));
+    const auto first = renderer->add(part_of(content_of(testing::sphere(6), Shading::flat)));
+    ASSERT_TRUE(first);
+    DrawOptions options = small;
+    options.parts = {{*first, {}}};
+    const std::vector<GlDraw> before = draws_of(from_front, options);
+    const std::uint64_t bytes = gl.record().bytes;
+    const Part other = part_of(everything());
+    bool refused = false;
+    for (std::uint64_t more = 0; more < 64'000; more += 997) {
+        gl.driver().memory_bytes = bytes + more;
+        const auto added = renderer->add(other);
+        if (!added) {
+            EXPECT_EQ(added.error().code, ErrorCode::limit_exceeded);
+            refused = true;
+        } else {
+            renderer->remove(*added);
+        }
+        EXPECT_EQ(gl.record().bytes, bytes) << more;
+    }
+    EXPECT_TRUE(refused);
+    EXPECT_EQ(draws_of(from_front, options), before);
+}
+
+// Both see the same pattern, and their thresholds meet: no sample is left out and none has both.
+TEST_F(DriversTest, LevelsThatFadeIntoEachOtherAreToldWhereTheirThresholdsMeet) {
+    for (const int version : {30, 32}) {
+        gl.driver().version = version;
+        create();
+        ASSERT_TRUE(renderer->begin_scene(cube));
+        const auto going = renderer->add(part_of(content_of(testing::sphere(8), Shading::gouraud)));
+        const auto coming = renderer->add(part_of(content_of(testing::sphere(6), Shading::flat)));
+        ASSERT_TRUE(going && coming);
+        DrawOptions options = small;
+        options.samples = 4;
+        for (const double share : {0.0, 0.1, 1.0 / 3.0, 0.5, 0.999, 1.0}) {
+            options.parts = {{*coming, {0.0, share}}, {*going, {share, 1.0}}};
+            std::vector<std::vector<float>> shares;
+            for (const GlDraw& draw : draws_of(from_front, options))
+                if (const auto found = draw.uniforms.find("u_share"); found != draw.uniforms.end())
+                    shares.push_back(found->second);
+            if (share == 0.0 || share == 1.0) {
+                EXPECT_TRUE(shares.empty()) << share;  // one of both is not drawn, the other whole
+                continue;
+            }
+            ASSERT_EQ(shares.size(), 2u) << share;
+            const auto [low, high] = std::minmax(shares[0], shares[1]);
+            EXPECT_EQ(low[0], 0.0f);
+            EXPECT_EQ(low[1], high[0]) << share;
+            EXPECT_EQ(low[2], version >= 32 ? 4.0f : 1.0f);
+            EXPECT_EQ(high[1], 64.0f * high[2]);
+        }
+        renderer.reset();
+    }
+}
+
+TEST_F(DriversTest, PartsOfAnotherSceneAndWholeSceneGoWithoutATrace) {
+    create();
+    const std::uint64_t bytes = gl.record().bytes;
+    ASSERT_TRUE(renderer->begin_scene(cube));
+    ASSERT_TRUE(renderer->add(part_of(everything())));
+    ASSERT_TRUE(renderer->begin_scene({Vec3d{-1.0}, Vec3d{1.0}}));
+    EXPECT_EQ(gl.record().bytes, bytes);
+    EXPECT_FALSE(renderer->add(part_of(everything())));  // prepared for the scene before
+    EXPECT_FALSE(renderer->begin_scene({}));
+    EXPECT_EQ(gl.record().bytes, bytes);
+}
+
 }  // namespace
 }  // namespace lodestream::render
