@@ -27,7 +27,7 @@ struct RoamArguments {
     double memory_mb = 256.0;  // 2^20 bytes on the GPU
     double fade_ms = 250.0;
     bool looks_ahead = true;
-    roam::Link link;
+    sdk::Link link;
     bool json = false;
 };
 

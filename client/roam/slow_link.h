@@ -8,20 +8,16 @@
 #include <vector>
 
 #include "client/roam/tiles.h"
+#include "client/sdk/client.h"
 
 namespace lodestream::roam {
-
-struct Link {
-    double rtt_ms = 0.0;         // from asking to the first byte
-    double downlink_mbps = 0.0;  // 10^6 bits a second, for all tiles together; 0: no limit
-};
 
 // As over so many connections (http_tiles.h) that share the link: tiles come one after the other in the order in which
 // they were sent for, and never before they are here in truth. What waits for a connection can be cancelled.
 class SlowLink : public Tiles {
   public:
-    // `tiles` must outlive it; `bytes` of each node.
-    SlowLink(Tiles& tiles, std::vector<std::uint64_t> bytes, const Link& link)
+    // `tiles` must outlive it; `bytes` of each node. The link is that of all tiles together.
+    SlowLink(Tiles& tiles, std::vector<std::uint64_t> bytes, const sdk::Link& link)
         : tiles_(tiles), bytes_(std::move(bytes)), link_(link) {}
 
     void want(std::span<const std::uint32_t> nodes, double now_s) override;
@@ -38,7 +34,7 @@ class SlowLink : public Tiles {
 
     Tiles& tiles_;
     std::vector<std::uint64_t> bytes_;
-    Link link_;
+    sdk::Link link_;
     std::deque<Request> underway_;
     std::deque<std::uint32_t> waiting_;
     std::map<std::uint32_t, Arrival> here_;  // in truth

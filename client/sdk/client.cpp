@@ -200,9 +200,9 @@ Client::~Client() = default;
 Result<Client> Client::open(std::string_view url, std::optional<Link> link) {
     auto server = parse_server_url(url);
     if (!server) return server.error();
-    if (link && !(link->downlink_mbps > 0.0 && std::isfinite(link->downlink_mbps) && link->rtt_ms >= 0.0 &&
+    if (link && !(link->downlink_mbps >= 0.0 && std::isfinite(link->downlink_mbps) && link->rtt_ms >= 0.0 &&
                   std::isfinite(link->rtt_ms)))
-        return invalid_input("a link needs a rate above 0 Mbit/s and a round trip of at least 0 ms");
+        return invalid_input("a link needs a rate of at least 0 Mbit/s and a round trip of at least 0 ms");
     return Client(std::make_unique<Impl>(*std::move(server), link));
 }
 

@@ -38,7 +38,7 @@ Result<ServerUrl> parse_server_url(std::string_view url);
 
 // A network to try instead of the one that is there.
 struct Link {
-    double downlink_mbps = 0.0;  // > 0, of what arrives; what is sent is not slowed
+    double downlink_mbps = 0.0;  // 10^6 bits a second, of what arrives; 0: no limit. What is sent is not slowed
     double rtt_ms = 0.0;         // >= 0, once a request, and once more for each connection made
 };
 

@@ -116,8 +116,9 @@ struct HttpConnection::Impl {
         if (link) wait_until(Clock::now() + seconds(1e-3 * link->rtt_ms));
         stream->expires_at(deadline_after(request_timeout_s));
         const error_code written = run([&](auto done) { http::async_write(*stream, request, done); });
-        const error_code read =
-            link ? read_slowly(parser) : run([&](auto done) { http::async_read(*stream, buffer, parser, done); });
+        const error_code read = link && link->downlink_mbps > 0.0
+                                    ? read_slowly(parser)
+                                    : run([&](auto done) { http::async_read(*stream, buffer, parser, done); });
         return read && written ? written : read;
     }
 

@@ -169,7 +169,7 @@ TEST_F(RoamTest, LookingAheadAlongTheMotionMissesLessOverASlowLink) {
     const auto missed_px = [&](bool looks_ahead) {
         options.looks_ahead = looks_ahead;
         FakeTiles tiles(tileset);
-        SlowLink link(tiles, tileset.bytes, {.rtt_ms = 200.0, .downlink_mbps = 0.0});
+        SlowLink link(tiles, tileset.bytes, {.downlink_mbps = 0.0, .rtt_ms = 200.0});
         motion::Trace motion;
         for (int i = 0; i <= 300; ++i) motion.push_back({0.02 * i, {Vec3d{0.04 * i - 6.0, 0.8, 0.0}, -90.0, -60.0}});
         double missed = 0.0;
@@ -189,7 +189,7 @@ TEST_F(RoamTest, ADeepTreeIsThereAfterOneRoundTripNotOneForEachLevel) {
     options.stream.tolerance_px = 0.0;
     options.stream.max_requests = connections;
     FakeTiles tiles(tileset);
-    SlowLink link(tiles, tileset.bytes, {.rtt_ms = 1000.0, .downlink_mbps = 0.0});
+    SlowLink link(tiles, tileset.bytes, {.downlink_mbps = 0.0, .rtt_ms = 1000.0});
     const Roamed roamed = roam_through(link, {{0.0, {}}, {2.0, {}}});
     EXPECT_EQ(roamed.frames[19].tiles, 0u);
     EXPECT_EQ(roamed.frames[20].tiles, 4u) << "the root, its children and one of theirs came together";

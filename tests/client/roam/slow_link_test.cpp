@@ -24,7 +24,7 @@ class SlowLinkTest : public ::testing::Test {
     Nodes take(SlowLink& from, double now_s) { return nodes_of(from.take(now_s)); }
     proto::Tileset tileset = testing::plates(3);
     FakeTiles tiles{tileset};
-    SlowLink link{tiles, tileset.bytes, {.rtt_ms = 50.0, .downlink_mbps = 0.0016}};
+    SlowLink link{tiles, tileset.bytes, {.downlink_mbps = 0.0016, .rtt_ms = 50.0}};
 };
 
 TEST_F(SlowLinkTest, TilesComeOneAfterTheOtherAfterTheRoundTrip) {
@@ -52,7 +52,7 @@ TEST_F(SlowLinkTest, WhatWasSentForComesThoughItIsCancelled) {
 }
 
 TEST_F(SlowLinkTest, AConnectionThatIsFreeAgainPaysTheRoundTripAnew) {
-    SlowLink far(tiles, tileset.bytes, {.rtt_ms = 100.0, .downlink_mbps = 0.0});
+    SlowLink far(tiles, tileset.bytes, {.downlink_mbps = 0.0, .rtt_ms = 100.0});
     far.want(Nodes{0, 1, 2, 3, 4, 5, 6, 7}, 0.0);
     EXPECT_EQ(take(far, 0.11), (Nodes{0, 1, 2, 3, 4, 5}));
     EXPECT_EQ(take(far, 0.19), Nodes{});

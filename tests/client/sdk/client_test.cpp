@@ -303,9 +303,9 @@ TEST(Client, ALinkCarriesNoMoreThanItsRateAndAnswersNoSoonerThanItsRoundTrip) {
     EXPECT_GE(elapsed_ms() - first_ms, 30.0);
 }
 
-TEST(Client, RefusesALinkThatCarriesNothing) {
+TEST(Client, RefusesALinkThatCannotBe) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    for (const Link link : {Link{0.0, 1.0}, Link{-1.0, 1.0}, Link{nan, 1.0}, Link{1.0, -1.0}, Link{1.0, nan}})
+    for (const Link link : {Link{-1.0, 1.0}, Link{nan, 1.0}, Link{1.0, -1.0}, Link{1.0, nan}})
         EXPECT_FALSE(Client::open("http://127.0.0.1:1", link).ok());
 }
 
