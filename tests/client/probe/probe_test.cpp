@@ -18,7 +18,8 @@ Report constructed() {
     report.machine.cpu_mhz = 2000.0;
     report.machine.cpu_cores = 2;
     report.machine.memory_mb = 4096.0;
-    report.graphics = {{3e6, 1.5, 9}, {2e6, 2.5, 9}, {5e6, 1.0, 9}, {1e8, 0.5, 9}, 0.25};
+    report.graphics = {{3e6, 1.5, 9}, {2e6, 2.5, 9}, {5e6, 1.0, 9}, {1e8, 0.5, 9}, {}, 90, 80};
+    report.graphics.costs.fixed_ms = 0.25;
     report.cpu_single = {5e8, 1.0, 15};
     report.cpu_all = {9e8, 1.0, 15};
     report.renderer = "llvmpipe";
@@ -52,6 +53,11 @@ TEST(Probe, ADeviceWhoseClockIsNotKnownCanBePlannedFor) {
     EXPECT_TRUE(budget::validate(request->budget));
 }
 
+TEST(Probe, TellsWhatAFrameCosts) {
+    EXPECT_THAT(to_json(constructed()), HasSubstr("\"frame_costs\":{\"fixed_ms\":0.25,"));
+    EXPECT_THAT(to_text(constructed()), HasSubstr("0.250 ms"));
+}
+
 TEST(Probe, SaysWhenItWasDisturbed) {
     Report report = constructed();
     EXPECT_FALSE(disturbed(report));
@@ -80,7 +86,8 @@ TEST(Probe, MeasuresThisDevice) {
         EXPECT_GE(rate.runs, 1u);
         EXPECT_LE(rate.uncertainty_percent, 100.0);
     }
-    EXPECT_GT(report->graphics.fixed_frame_ms, 0.0);
+    EXPECT_GE(report->graphics.runs, report->graphics.calm_runs);
+    EXPECT_GT(report->graphics.costs.per_million_triangles_ms, 0.0);
     EXPECT_TRUE(proto::parse_device_file(to_json(*report)));
 }
 
