@@ -10,7 +10,7 @@ namespace lodestream::probe {
 
 namespace {
 
-constexpr std::size_t costs = 6;
+constexpr std::size_t costs = 7;
 constexpr int most_rounds = 20'000;         // of the fit; a few microseconds each thousand
 constexpr double settled_share = 1e-9;      // of a cost that no round changes by more
 constexpr double negligible_share = 1e-12;  // of the pictures' time: a column that no picture has
@@ -25,6 +25,7 @@ Row units(const control::Work& work) {
             work.vertices / million,
             work.pixels / million,
             work.covered_px / million,
+            work.textured_px / million,
             work.extent_px / million};
 }
 
@@ -45,6 +46,12 @@ Row least_squares(const std::array<Row, costs>& squares, const Row& sums) {
         if (change <= settled_share) break;
     }
     return c;
+}
+
+bool reads_image(const codec::Decoded& content, const codec::Primitive& primitive) {
+    if (primitive.material >= content.materials.size()) return false;
+    const mesh::Material& material = content.materials[primitive.material];
+    return material.base_color_texture.image >= 0 || material.emissive_texture.image >= 0;
 }
 
 }  // namespace
@@ -74,7 +81,8 @@ control::FrameCosts fit_costs(std::span<const TimedPicture> pictures) {
     out.per_million_vertices_ms = c[2];
     out.per_million_pixels_ms = c[3];
     out.per_million_covered_ms = c[4];
-    out.per_million_extent_ms = c[5];
+    out.per_million_textured_ms = c[5];
+    out.per_million_extent_ms = c[6];
     return out;
 }
 
@@ -90,6 +98,7 @@ control::Work work_of(const codec::Decoded& content, const shading::View& view, 
                              ? triangles
                              : static_cast<double>(primitive.mesh.positions.size());
         work.covered_px += extent.covered_px;
+        if (reads_image(content, primitive)) work.textured_px += extent.covered_px;
         work.extent_px += extent.extent_px;
     }
     return work;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "client/probe/load_meter.h"
+#include "client/render/image.h"
 #include "common/base/random.h"
 
 namespace lodestream::probe {
@@ -22,6 +23,7 @@ constexpr std::uint32_t fill_layers = 8;
 constexpr std::uint32_t few_rings = 2, coarse_rings = 5, fine_rings = 40;
 constexpr std::uint32_t first_rings = 32, most_rings = 512;  // of the ball whose triangles count
 constexpr std::uint32_t point_rings = 64;
+constexpr std::uint32_t image_side = 512;   // texels
 constexpr double jitter = 0.35;             // of a ball's vertices, in rows and columns
 constexpr std::uint32_t band_columns = 16;  // few enough for any cache of vertices
 constexpr double long_enough_ms = 6.0;      // of a frame of that ball: what is fixed counts for little
@@ -31,6 +33,9 @@ constexpr std::size_t least_runs = 3, most_runs = 100;  // of a picture and a ro
 constexpr double most_overrun = 2.0;                    // times its seconds, on a device whose frames take that long
 constexpr double share_to_search = 0.15;                // of the seconds, for a ball that takes long enough
 constexpr double search_s = 0.01;                       // of each that is tried
+// What models take over balls of the same figures, whose triangles are evener in size and order: the median over 22
+// models, 731 frames on Mesa's llvmpipe (tests/bench, frame_time).
+constexpr double model_over_ball = 1.12;
 constexpr double near_eye = 3.0, far_eye = 200.0, sheets_eye = 1.5;
 constexpr double disc_share = 1.2;  // of a disc's radius to the side of a square that is its share of the surface
 
@@ -131,6 +136,18 @@ Content smooth(const mesh::Model& model) {
     return {render::drawable(model, model.mesh), std::nullopt};
 }
 
+// With an image that is repeated across it, so that texels are smaller than pixels and mip levels are blended.
+Result<Content> textured(mesh::Model model) {
+    render::Image texels = render::solid(image_side, image_side, 200, 180, 160);
+    for (std::size_t i = 0; i < texels.rgba.size(); ++i) texels.rgba[i] ^= static_cast<std::uint8_t>((i >> 5) & 63u);
+    auto png = render::encode_png(texels);
+    if (!png) return png.error();
+    model.images.push_back({"image/png", *std::move(png), image_side, image_side});
+    model.materials[0].base_color_texture.image = 0;
+    for (const Vec3f& p : model.mesh.positions) model.mesh.texture_coordinates.push_back({2.0f * p.x, -2.0f * p.y});
+    return smooth(model);
+}
+
 Content flat(const mesh::Model& model) {
     return {render::drawable(model, model.mesh, std::vector<std::uint8_t>(model.mesh.triangles.size(), 0)),
             std::nullopt};
@@ -191,8 +208,21 @@ Result<std::uint32_t> enough_rings(render::Renderer& renderer, double seconds) {
     }
 }
 
-enum : std::size_t { tiny, coarse, fine, fewer_smooth, more_smooth, fewer_flat, more_flat, cloud, layers };
-enum : std::size_t { empty, wide, covered, detailed, smooth_fewer, smooth_more, flat_fewer, flat_more, points, fill };
+enum : std::size_t { tiny, coarse, with_image, fine, fewer_smooth, more_smooth, fewer_flat, more_flat, cloud, layers };
+enum : std::size_t {
+    empty,
+    wide,
+    bare,
+    covered,
+    imaged,
+    detailed,
+    smooth_fewer,
+    smooth_more,
+    flat_fewer,
+    flat_more,
+    points,
+    fill
+};
 
 // One after the other, round after round for as long as another round is expected to end in time.
 Status time_all(render::Renderer& renderer, const std::vector<Content>& shown, std::vector<Picture>& pictures,
@@ -219,7 +249,11 @@ control::FrameCosts costs_of(const std::vector<Content>& shown, const std::vecto
             {work_of(shown[picture.content].level, from_distance(picture.distance), {picture.side_px, picture.side_px}),
              timings[i].ms});
     }
-    return fit_costs(timed);
+    control::FrameCosts costs = fit_costs(timed);
+    for (double* cost : {&costs.per_million_triangles_ms, &costs.per_million_vertices_ms, &costs.per_million_covered_ms,
+                         &costs.per_million_textured_ms, &costs.per_million_extent_ms})
+        *cost *= model_over_ball;
+    return costs;
 }
 
 }  // namespace
@@ -228,8 +262,11 @@ Result<Graphics> measure_graphics(render::Renderer& renderer, double seconds) {
     const auto rings = enough_rings(renderer, share_to_search * seconds);
     if (!rings) return rings.error();
     const mesh::Model more = ball(*rings), fewer = ball(*rings / 2);
+    auto with_texels = textured(ball(coarse_rings));
+    if (!with_texels) return with_texels.error();
     const std::vector<Content> shown{smooth(ball(few_rings)),
                                      smooth(ball(coarse_rings)),
+                                     *std::move(with_texels),
                                      smooth(ball(fine_rings)),
                                      smooth(fewer),
                                      smooth(more),
@@ -239,7 +276,9 @@ Result<Graphics> measure_graphics(render::Renderer& renderer, double seconds) {
                                      smooth(sheets())};
     std::vector<Picture> pictures{{tiny, far_eye, small_side_px},
                                   {tiny, far_eye, large_side_px},
+                                  {coarse},
                                   {coarse, near_eye, picture_side_px},
+                                  {with_image, near_eye, picture_side_px},
                                   {fine, near_eye, picture_side_px},
                                   {fewer_smooth},
                                   {more_smooth},
@@ -254,9 +293,9 @@ Result<Graphics> measure_graphics(render::Renderer& renderer, double seconds) {
 
     Graphics out;
     out.costs = costs_of(shown, pictures, timings);
-    const auto added = static_cast<double>(more.mesh.triangles.size() - fewer.mesh.triangles.size());
-    out.gouraud_triangles = marginal_rate(added, timings[smooth_more], timings[smooth_fewer]);
-    out.flat_triangles = marginal_rate(added, timings[flat_more], timings[flat_fewer]);
+    const auto triangles = static_cast<double>(more.mesh.triangles.size());
+    out.gouraud_triangles = marginal_rate(triangles, timings[smooth_more], timings[bare]);
+    out.flat_triangles = marginal_rate(triangles, timings[flat_more], timings[bare]);
     out.points = marginal_rate(static_cast<double>(shown[cloud].points->cloud.positions.size()), timings[points],
                                timings[empty]);
     out.pixels = marginal_rate(double{fill_layers} * fill_side_px * fill_side_px, timings[fill], timings[empty]);

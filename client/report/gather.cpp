@@ -6,6 +6,7 @@
 #include <set>
 #include <thread>
 
+#include "client/probe/graphics.h"
 #include "client/render/image.h"
 #include "client/report/hlod_study.h"
 #include "client/report/measure_frame_rate.h"
@@ -128,6 +129,10 @@ class Gatherer {
 
     Result<Fetched> fetch(const std::string& url, std::uint64_t bytes);
     Result<Drawn> draw(const shading::View& view, const budget::Display& display);
+    double predicted_ms(const codec::Decoded& content, const shading::View& view,
+                        const budget::Display& display) const {
+        return costs_ ? control::frame_ms(*costs_, probe::work_of(content, view, display)) : 0.0;
+    }
     Result<ImageError> compare(const render::Image& full, const render::Image& level);
     std::string unique_stem(const std::string& name);
     Status begin(const std::string& step);
@@ -140,6 +145,7 @@ class Gatherer {
     const GatherOptions& options_;
     Effort effort_;
     std::vector<DeviceClass> devices_;
+    std::optional<control::FrameCosts> costs_;  // as the probe tells them
     std::vector<render::Image> composite_rows_;
     std::set<std::string> stems_;
     std::string stem_;  // of the asset at hand
@@ -281,6 +287,7 @@ Result<ModeResult> Gatherer::measure_content(const proto::PlanResponse& plan, st
     out.fetch_ms = fetched->fetch_ms;
     out.decode_ms = fetched->decode_ms;
     out.frame_ms = drawn->frame_ms;
+    out.predicted_ms = predicted_ms(fetched->content, reference.view, display_of(devices_[device].request.budget));
     out.gpu_bytes = uploaded->geometry_bytes + uploaded->texture_bytes;
     out.image = *error;
     return out;
@@ -339,7 +346,8 @@ Result<LadderLevel> Gatherer::measure_level(const AssetResult& asset, std::size_
         Result<ImageError> error = compare(reference.images[device], drawn->image);
         if (!error) return error.error();
         const double pixels = shading::pixels_per_unit(reference.view, reference.bounds, display);
-        out.drawn.push_back({devices_[device].name, drawn->frame_ms, out.level.max_error * pixels, *error});
+        out.drawn.push_back({devices_[device].name, drawn->frame_ms, out.level.max_error * pixels, *error,
+                             predicted_ms(fetched->content, reference.view, display)});
     }
     return out;
 }
@@ -493,6 +501,11 @@ Result<ReportData> Gatherer::run() {
         data_.problems.push_back(std::to_string(chosen.size()) +
                                  " models: each is measured with fewer levels and frames");
     }
+    if (Status going_on = begin("probe"); !going_on) return going_on.error();
+    if (const Result<probe::Graphics> graphics = probe::measure_graphics(renderer_))
+        costs_ = graphics->costs;
+    else
+        problem("probe", graphics.error());
     for (const proto::Asset& asset : chosen) {
         Result<AssetResult> measured = measure_asset(asset);
         if (stopped_) return fail(ErrorCode::unavailable, "interrupted");

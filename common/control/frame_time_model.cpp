@@ -36,7 +36,9 @@ Vector parts(const FrameCosts& costs, const Work& work) {
     const double triangles_ms = work.triangles * costs.per_million_triangles_ms +
                                 work.vertices * costs.per_million_vertices_ms +
                                 work.extent_px * costs.per_million_extent_ms;
-    const double pixels_ms = work.pixels * costs.per_million_pixels_ms + work.covered_px * costs.per_million_covered_ms;
+    const double pixels_ms = work.pixels * costs.per_million_pixels_ms +
+                             work.covered_px * costs.per_million_covered_ms +
+                             work.textured_px * costs.per_million_textured_ms;
     return {costs.fixed_ms, 1e-6 * work.exposures * triangles_ms, 1e-6 * work.exposures * pixels_ms,
             1e-6 * work.uploaded_triangles * costs.per_million_uploaded_ms, work.background_load * costs.background_ms};
 }
@@ -99,6 +101,7 @@ FrameTimeModel make_model(const FrameCosts& first_guess) {
                          usable(first_guess.background_ms, otherwise.background_ms),
                          usable(first_guess.per_million_vertices_ms, 0.0),
                          usable(first_guess.per_million_covered_ms, 0.0),
+                         usable(first_guess.per_million_textured_ms, 0.0),
                          usable(first_guess.per_million_extent_ms, 0.0)};
     model.share.fill(1.0);
     for (std::size_t i = 0; i < size; ++i) model.covariance[i][i] = first_deviation * first_deviation;

@@ -24,8 +24,9 @@ struct FrameCosts {
     double background_ms = 5.0;              // decoding that keeps one core busy all the frame long
     // What else a probe tells apart; 0: nothing, the costs above have it.
     double per_million_vertices_ms = 0.0;
-    double per_million_covered_ms = 0.0;  // px that triangles cover
-    double per_million_extent_ms = 0.0;   // px of their sides: what a triangle costs beside its pixels grows so
+    double per_million_covered_ms = 0.0;   // px that triangles cover
+    double per_million_textured_ms = 0.0;  // px of them that read an image: on top
+    double per_million_extent_ms = 0.0;    // px of their sides: what a triangle costs beside its pixels grows so
 };
 
 // What a frame has to do.
@@ -37,9 +38,10 @@ struct Work {
     double uploaded_triangles = 0.0;  // 0 where the level is that of the frame before
     double background_load = 0.0;     // decoding beside it, share of a core, [0, 1]
     // Of one exposure, where it is known; else 0.
-    double vertices = 0.0;    // that are lit
-    double covered_px = 0.0;  // as shading::ScreenExtent
-    double extent_px = 0.0;   // likewise
+    double vertices = 0.0;     // that are lit
+    double covered_px = 0.0;   // as shading::ScreenExtent
+    double textured_px = 0.0;  // of covered_px
+    double extent_px = 0.0;    // likewise
 };
 
 // What the parts of that work take.
