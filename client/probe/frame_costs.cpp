@@ -11,7 +11,7 @@ namespace lodestream::probe {
 namespace {
 
 constexpr std::size_t costs = 7;
-constexpr int most_rounds = 20'000;         // of the fit; a few microseconds each thousand
+constexpr int most_rounds = 20'000;         // of the fit; 7 x 7 products each
 constexpr double settled_share = 1e-9;      // of a cost that no round changes by more
 constexpr double negligible_share = 1e-12;  // of the pictures' time: a column that no picture has
 constexpr double million = 1e6;

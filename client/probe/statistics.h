@@ -8,13 +8,14 @@
 namespace lodestream::probe {
 
 struct Rate {
-    double per_second = 0.0;           // median of the runs
-    double uncertainty_percent = 0.0;  // half of the interval that holds the median in 19 of 20 cases, of the median
+    double per_second = 0.0;
+    double uncertainty_percent = 0.0;  // of per_second, to either side
     std::size_t runs = 0;
 };
 
-// From runs' rates. The spread is the median absolute deviation, which single disturbed runs do not move. 100 % off
-// for fewer than two runs and for a median of 0, which say nothing.
+// The median of runs' rates, and half of the interval that holds it in 19 of 20 cases. The spread is the median
+// absolute deviation, which single disturbed runs do not move. 100 % off for fewer than two runs and for a median of 0,
+// which say nothing.
 Rate rate_of(std::vector<double> per_second);
 
 double median(std::vector<double> values);  // 0 for none
@@ -39,7 +40,7 @@ struct Timing {
 // 0 runs: all 0.
 Timing timing_of(std::span<const TimedRun> runs);
 
-// What takes so much longer, in a second. 100 % off where the times do not tell and
+// What takes so much longer, in a second; off by as much as both timings are. 100 % off where the times do not tell and
 // for single runs.
 Rate marginal_rate(double amount, const Timing& with, const Timing& without);
 
