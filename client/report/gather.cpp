@@ -120,6 +120,7 @@ class Gatherer {
     Result<DeviceResult> measure_device(AssetResult& asset, std::size_t device, const Reference& reference);
     Result<LadderLevel> measure_level(const AssetResult& asset, std::size_t index, const Reference& reference);
     Status measure_split(AssetResult& asset, const Reference& reference);
+    void probe_for(const proto::Asset& asset);
     void add_frame_rate();
     Result<ModeResult> measure_content(const proto::PlanResponse& plan, std::size_t device, const Reference& reference,
                                        render::Image* drawn = nullptr);
@@ -473,6 +474,14 @@ Result<AssetResult> Gatherer::measure_asset(const proto::Asset& listed) {
     return result;
 }
 
+// Anew for each model: a machine that others use is not equally fast all the time.
+void Gatherer::probe_for(const proto::Asset& asset) {
+    if (!begin(asset.name + ": probe")) return;
+    const Result<probe::Graphics> graphics = probe::measure_graphics(renderer_);
+    costs_ = graphics ? std::optional(graphics->costs) : std::nullopt;
+    if (!graphics) problem(asset.name + ", probe", graphics.error());
+}
+
 void Gatherer::add_frame_rate() {
     const auto progress = [&](const std::string& step) { return static_cast<bool>(begin(step)); };
     Result<FrameRateResult> result = measure_frame_rate(client_, renderer_, {options_.quick, progress});
@@ -501,12 +510,8 @@ Result<ReportData> Gatherer::run() {
         data_.problems.push_back(std::to_string(chosen.size()) +
                                  " models: each is measured with fewer levels and frames");
     }
-    if (Status going_on = begin("probe"); !going_on) return going_on.error();
-    if (const Result<probe::Graphics> graphics = probe::measure_graphics(renderer_))
-        costs_ = graphics->costs;
-    else
-        problem("probe", graphics.error());
     for (const proto::Asset& asset : chosen) {
+        probe_for(asset);
         Result<AssetResult> measured = measure_asset(asset);
         if (stopped_) return fail(ErrorCode::unavailable, "interrupted");
         if (measured)

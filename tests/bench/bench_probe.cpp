@@ -66,13 +66,14 @@ double median(std::vector<double> values) {
 }
 
 std::string table_of(const std::vector<nlohmann::json>& reports) {
-    std::vector<TableRow> table{{"figure", "median", "least", "most", "most / least", "stated ±%"}};
+    std::vector<TableRow> table{{"figure", "median", "least", "most", "farthest off %", "stated ±%"}};
     const auto add = [&](const std::string& name, const auto& value_of, std::string stated) {
         std::vector<double> values;
         for (const nlohmann::json& report : reports) values.push_back(value_of(report));
         const auto [least, most] = std::minmax_element(values.begin(), values.end());
-        table.push_back({name, fixed(median(values), 3), fixed(*least, 3), fixed(*most, 3), fixed(*most / *least, 3),
-                         std::move(stated)});
+        const double middle = median(values), farthest = std::max(*most - middle, middle - *least);
+        table.push_back({name, fixed(middle, 3), fixed(*least, 3), fixed(*most, 3),
+                         fixed(100.0 * farthest / std::max(middle, 1e-9), 1), std::move(stated)});
     };
     for (const std::string name : figures) {
         std::vector<double> stated;
@@ -81,9 +82,11 @@ std::string table_of(const std::vector<nlohmann::json>& reports) {
             name + ", millions", [&](const nlohmann::json& report) { return 1e-6 * report.at(name).get<double>(); },
             fixed(median(stated), 1));
     }
-    for (const auto& [name, unused] : reports.front().at("frame_costs").items())
+    for (const auto& cost : reports.front().at("frame_costs").items()) {
+        const std::string name = cost.key();
         add(
             name, [&](const nlohmann::json& report) { return report.at("frame_costs").at(name).get<double>(); }, "");
+    }
     add(
         "seconds", [](const nlohmann::json& report) { return report.at("seconds").get<double>(); }, "");
     const auto disturbed = std::count_if(reports.begin(), reports.end(), [](const nlohmann::json& report) {
@@ -99,7 +102,7 @@ void run(const Arguments& arguments) {
         for (int i = 0; i < count; ++i) reports.push_back(probe(arguments.client));
         return reports;
     };
-    std::cout << "alone, as far as this machine is (target: most / least at most 1.1, none disturbed)\n"
+    std::cout << "alone, as far as this machine is (target: rates at most 10 % off their median, none disturbed)\n"
               << table_of(probes(arguments.runs)) << std::flush;
     const BusyProcess busy;
     std::cout << "beside a busy process (target: all disturbed)\n" << table_of(probes(arguments.busy_runs));
