@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <string>
+#include <system_error>
 
 namespace lodestream::probe {
 
@@ -50,6 +52,26 @@ std::optional<CpuTicks> parse_cpu_ticks(std::string_view text) {
     double all = 0.0;
     for (const double value : ticks) all += value;
     return CpuTicks{all - idle, all};
+}
+
+std::optional<double> parse_waited_ns(std::string_view text) {
+    const std::size_t space = text.find(' ');
+    if (space == std::string_view::npos) return std::nullopt;
+    double ns = 0.0;
+    const auto [stop, error] = std::from_chars(text.data() + space + 1, text.data() + text.size(), ns);
+    return error == std::errc() && ns >= 0.0 ? std::optional(ns) : std::nullopt;
+}
+
+double waited_ms() {
+    double ns = 0.0;
+    std::error_code error;
+    for (std::filesystem::directory_iterator task("/proc/self/task", error), end; !error && task != end;
+         task.increment(error)) {
+        std::ifstream file(task->path() / "schedstat");
+        std::string line;
+        if (std::getline(file, line)) ns += parse_waited_ns(line).value_or(0.0);
+    }
+    return 1e-6 * ns;
 }
 
 LoadMeter::LoadMeter() : start_(std::chrono::steady_clock::now()), ticks_(read_ticks()), own_s_(own_cpu_s()) {}

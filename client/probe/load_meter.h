@@ -1,4 +1,4 @@
-// How much of the processors others used while we measured.
+// How much of the processors others used while we measured, and how long we waited for them.
 #pragma once
 
 #include <chrono>
@@ -15,6 +15,13 @@ struct CpuTicks {
 
 // The first line of /proc/stat; absent where the text is something else.
 std::optional<CpuTicks> parse_cpu_ticks(std::string_view proc_stat);
+
+// Milliseconds that this process's threads were ready to run and waited for a core since they started; 0 where the
+// system does not say (Linux: schedstat).
+double waited_ms();
+
+// Of a schedstat file: its second number, nanoseconds; absent where the text is something else.
+std::optional<double> parse_waited_ns(std::string_view schedstat);
 
 class LoadMeter {
   public:

@@ -44,6 +44,7 @@ struct ModeResult {
     double fetch_ms = 0.0;
     double decode_ms = 0.0;
     double frame_ms = 0.0;
+    double predicted_ms = 0.0;  // from the probe's figures alone; 0: not predicted
     std::uint64_t gpu_bytes = 0;
     ImageError image;
 };
@@ -72,6 +73,7 @@ struct DrawnLevel {
     double frame_ms = 0.0;
     double error_px = 0.0;  // the level's maximum error at the object's nearest point
     ImageError image;
+    double predicted_ms = 0.0;  // from the probe's figures alone; 0: not predicted
 };
 
 // A rung of the ladder as stored.

@@ -6,6 +6,7 @@
 #include <set>
 #include <thread>
 
+#include "client/probe/graphics.h"
 #include "client/render/image.h"
 #include "client/report/hlod_study.h"
 #include "client/report/linked.h"
@@ -120,6 +121,7 @@ class Gatherer {
     Result<DeviceResult> measure_device(AssetResult& asset, std::size_t device, const Reference& reference);
     Result<LadderLevel> measure_level(const AssetResult& asset, std::size_t index, const Reference& reference);
     Status measure_split(AssetResult& asset, const Reference& reference);
+    void probe_for(const proto::Asset& asset);
     void add_frame_rate();
     Result<ModeResult> measure_content(const proto::PlanResponse& plan, std::size_t device, const Reference& reference,
                                        render::Image* drawn = nullptr);
@@ -129,6 +131,10 @@ class Gatherer {
 
     Result<Fetched> fetch(const std::string& url, std::uint64_t bytes);
     Result<Drawn> draw(const shading::View& view, const budget::Display& display);
+    double predicted_ms(const codec::Decoded& content, const shading::View& view,
+                        const budget::Display& display) const {
+        return costs_ ? control::frame_ms(*costs_, probe::work_of(content, view, display)) : 0.0;
+    }
     Result<ImageError> compare(const render::Image& full, const render::Image& level);
     std::string unique_stem(const std::string& name);
     Status begin(const std::string& step);
@@ -141,6 +147,7 @@ class Gatherer {
     const GatherOptions& options_;
     Effort effort_;
     std::vector<DeviceClass> devices_;
+    std::optional<control::FrameCosts> costs_;  // as the probe tells them
     std::vector<render::Image> composite_rows_;
     std::set<std::string> stems_;
     std::string stem_;  // of the asset at hand
@@ -282,6 +289,7 @@ Result<ModeResult> Gatherer::measure_content(const proto::PlanResponse& plan, st
     out.fetch_ms = fetched->fetch_ms;
     out.decode_ms = fetched->decode_ms;
     out.frame_ms = drawn->frame_ms;
+    out.predicted_ms = predicted_ms(fetched->content, reference.view, display_of(devices_[device].request.budget));
     out.gpu_bytes = uploaded->geometry_bytes + uploaded->texture_bytes;
     out.image = *error;
     return out;
@@ -341,7 +349,8 @@ Result<LadderLevel> Gatherer::measure_level(const AssetResult& asset, std::size_
         Result<ImageError> error = compare(reference.images[device], drawn->image);
         if (!error) return error.error();
         const double pixels = shading::pixels_per_unit(reference.view, reference.bounds, display);
-        out.drawn.push_back({devices_[device].name, drawn->frame_ms, out.level.max_error * pixels, *error});
+        out.drawn.push_back({devices_[device].name, drawn->frame_ms, out.level.max_error * pixels, *error,
+                             predicted_ms(fetched->content, reference.view, display)});
     }
     return out;
 }
@@ -467,6 +476,14 @@ Result<AssetResult> Gatherer::measure_asset(const proto::Asset& listed) {
     return result;
 }
 
+// Anew for each model: a machine that others use is not equally fast all the time.
+void Gatherer::probe_for(const proto::Asset& asset) {
+    if (!begin(asset.name + ": probe")) return;
+    const Result<probe::Graphics> graphics = probe::measure_graphics(renderer_);
+    costs_ = graphics ? std::optional(graphics->costs) : std::nullopt;
+    if (!graphics) problem(asset.name + ", probe", graphics.error());
+}
+
 void Gatherer::add_frame_rate() {
     const auto progress = [&](const std::string& step) { return static_cast<bool>(begin(step)); };
     Result<FrameRateResult> result = measure_frame_rate(client_, renderer_, {options_.quick, progress});
@@ -496,6 +513,7 @@ Result<ReportData> Gatherer::run() {
                                  " models: each is measured with fewer levels and frames");
     }
     for (const proto::Asset& asset : chosen) {
+        probe_for(asset);
         Result<AssetResult> measured = measure_asset(asset);
         if (stopped_) return fail(ErrorCode::unavailable, "interrupted");
         if (measured)

@@ -7,14 +7,23 @@
 namespace lodestream::report {
 namespace {
 
-// One row of report.json's section: a flight, a number of exposures, or a controller over the simulated devices.
+// How far a model's frame times are off what the probe's figures say, all its levels, shadings and screens.
+struct PredictedFrames {
+    std::string model;
+    std::vector<double> off;  // shares of the measured time, rising; not empty
+    double median() const { return off[off.size() / 2]; }
+};
+
+// One row of report.json's section: a flight, a number of exposures, a controller over the simulated devices, or a
+// model.
 struct FrameRateRow {
-    std::string series;  // "scenario", "blur" or "simulated"
+    std::string series;  // "scenario", "blur", "simulated" or "predicted"
     std::string motion;
     std::string controller;
     const FlightResult* flight = nullptr;
     const BlurResult* blur = nullptr;
     const SweepRow* sweep = nullptr;
+    const PredictedFrames* predicted = nullptr;
 };
 
 double paced_fps(const control::FlownFrame& frame, double target_fps) {
@@ -27,13 +36,34 @@ const FlightResult* flight_of(const FrameRateResult& result, const std::string& 
     return found == result.flights.end() ? nullptr : &*found;
 }
 
-std::vector<FrameRateRow> rows_of(const FrameRateResult& result) {
+void add_off(std::vector<double>& off, double predicted_ms, double measured_ms) {
+    if (predicted_ms > 0.0 && measured_ms > 0.0) off.push_back(std::abs(predicted_ms / measured_ms - 1.0));
+}
+
+std::vector<PredictedFrames> predicted_frames(const ReportData& data) {
+    std::vector<PredictedFrames> models;
+    for (const AssetResult& asset : data.assets) {
+        PredictedFrames model{asset.asset.name, {}};
+        for (const LadderLevel& level : asset.ladder)
+            for (const DrawnLevel& drawn : level.drawn) add_off(model.off, drawn.predicted_ms, drawn.frame_ms);
+        for (const DeviceResult& device : asset.devices)
+            for (const ModeResult& mode : device.modes) add_off(model.off, mode.predicted_ms, mode.frame_ms);
+        std::sort(model.off.begin(), model.off.end());
+        if (!model.off.empty()) models.push_back(std::move(model));
+    }
+    return models;
+}
+
+std::vector<FrameRateRow> rows_of(const FrameRateResult& result, const std::vector<PredictedFrames>& models) {
     std::vector<FrameRateRow> rows;
     for (const FlightResult& flight : result.flights)
-        rows.push_back({"scenario", result.motion, flight.controller, &flight, nullptr, nullptr});
-    for (const BlurResult& blur : result.blur) rows.push_back({"blur", "fast turn", "", nullptr, &blur, nullptr});
+        rows.push_back({"scenario", result.motion, flight.controller, &flight, nullptr, nullptr, nullptr});
+    for (const BlurResult& blur : result.blur)
+        rows.push_back({"blur", "fast turn", "", nullptr, &blur, nullptr, nullptr});
     for (const SweepRow& sweep : result.sweep)
-        rows.push_back({"simulated", sweep.motion, sweep.controller, nullptr, nullptr, &sweep});
+        rows.push_back({"simulated", sweep.motion, sweep.controller, nullptr, nullptr, &sweep, nullptr});
+    for (const PredictedFrames& model : models)
+        rows.push_back({"predicted", "", "", nullptr, nullptr, nullptr, &model});
     return rows;
 }
 
@@ -63,7 +93,12 @@ std::vector<Field<FrameRateRow>> fields() {
     return {{"series", "", [](const auto& r) { return r.series; }},
             {"motion", "", [](const auto& r) { return r.motion; }},
             {"controller", "controller", [](const auto& r) { return r.controller; }},
-            {"frames", "frames", of_flight([](const Flight& f) { return std::uint64_t{f.summary.frames}; })},
+            {"model", "", [](const auto& r) { return r.predicted ? Cell{r.predicted->model} : Cell{}; }},
+            {"frames", "frames",
+             [](const auto& r) {
+                 if (r.predicted) return Cell{std::uint64_t{r.predicted->off.size()}};
+                 return r.flight ? Cell{std::uint64_t{r.flight->summary.frames}} : Cell{};
+             }},
             {"average_fps", "average fps", of_flight([](const Flight& f) { return f.summary.average_fps; })},
             {"worst_fps", "worst fps", of_flight([](const Flight& f) { return f.summary.worst_fps; })},
             {"deviation_fps", "σ fps",
@@ -86,7 +121,12 @@ std::vector<Field<FrameRateRow>> fields() {
                  return r.blur ? Cell{r.blur->coarse_error_percent} : Cell{};
              }},
             {"prediction_error_percent", "prediction off by %",
-             of_flight([](const Flight& f) { return percent(f.summary.prediction_error); })},
+             [](const auto& r) {
+                 if (r.predicted) return Cell{100.0 * r.predicted->median()};
+                 return r.flight ? Cell{percent(r.flight->summary.prediction_error)} : Cell{};
+             }},
+            {"worst_prediction_error_percent", "",
+             [](const auto& r) { return r.predicted ? Cell{100.0 * r.predicted->off.back()} : Cell{}; }},
             {"other_cores", "other load, cores",
              of_flight([](const Flight& f) { return f.other_cores.value_or(not_known); })},
             {"exposures", "", of_blur([](const BlurResult& b) { return std::uint64_t{b.exposures}; })},
@@ -188,34 +228,16 @@ std::string blur_sentence(const FrameRateResult& result) {
     return out.empty() ? "" : "Motion blur in a fast turn, the finest level: " + out + ".";
 }
 
-// How far frame times lie from the line through those of an asset's finest and coarsest level, for every level between
-// them and every device's screen, as shares.
-std::vector<double> off_the_line(const ReportData& data) {
-    std::vector<double> off;
-    for (const AssetResult& asset : data.assets) {
-        if (asset.ladder.size() < 3) continue;
-        const LadderLevel &fine = asset.ladder.front(), &coarse = asset.ladder.back();
-        const auto triangles = [](const LadderLevel& level) { return static_cast<double>(level.level.triangles); };
-        for (std::size_t i = 1; i + 1 < asset.ladder.size(); ++i)
-            for (std::size_t d = 0; d < asset.ladder[i].drawn.size(); ++d) {
-                const double share =
-                    (triangles(asset.ladder[i]) - triangles(coarse)) / (triangles(fine) - triangles(coarse));
-                const double low = coarse.drawn[d].frame_ms, high = fine.drawn[d].frame_ms;
-                const double measured = asset.ladder[i].drawn[d].frame_ms;
-                if (measured > 0.0) off.push_back(std::abs((low + share * (high - low)) / measured - 1.0));
-            }
-    }
-    return off;
-}
-
-std::string line_sentence(const ReportData& data) {
-    std::vector<double> off = off_the_line(data);
-    if (off.empty()) return "";
-    std::sort(off.begin(), off.end());
-    return " Predicted from a model’s finest and coarsest level alone, the frame time of a level between them is off "
-           "by " +
-           format_number(100.0 * off[off.size() / 2]) + " % in the median over " + format_count(off.size()) +
-           " levels and screens of all models.";
+std::string predicted_sentence(const std::vector<PredictedFrames>& models) {
+    std::vector<double> all;
+    for (const PredictedFrames& model : models) all.insert(all.end(), model.off.begin(), model.off.end());
+    if (all.empty()) return "";
+    std::sort(all.begin(), all.end());
+    return " From the probe’s figures alone, the time of a frame is predicted with an error of " +
+           format_number(100.0 * all[all.size() / 2]) + " % in the median, below " +
+           format_number(100.0 * all[all.size() * 9 / 10]) + " % nine times of ten and " +
+           format_number(100.0 * all.back()) + " % at the worst, over " + format_count(all.size()) +
+           " levels, shadings and screens of " + format_count(models.size()) + " models.";
 }
 
 std::string disturbed_sentence(const FrameRateResult& result) {
@@ -232,7 +254,7 @@ std::string ladder_text(const FrameRateResult& result) {
     return out;
 }
 
-std::string text_of(const ReportData& data, const FrameRateResult& result) {
+std::string text_of(const FrameRateResult& result, const std::vector<PredictedFrames>& models) {
     return "<p>The ISBLC paper’s motion (" + escape_html(result.motion) + ") over " + escape_html(result.asset) +
            ", flown by every controller with the real renderer at " + format_number(result.target_fps) +
            " frames/s, 120° of view, " + display_text(result.screen) + ", levels of " + ladder_text(result) +
@@ -242,11 +264,11 @@ std::string text_of(const ReportData& data, const FrameRateResult& result) {
            "picture’s error is against the finest of these levels at the same moments. The paper reports no control "
            "22 fps at worst, SBLC 30, ISBLC 60 on average, 40 at worst, σ 6.1.</p><p>" +
            ratios_sentence(result) + disturbed_sentence(result) + "</p><p>" + sweep_sentence(result) + " " +
-           blur_sentence(result) + line_sentence(data) + "</p>";
+           blur_sentence(result) + predicted_sentence(models) + "</p>";
 }
 
 Table scenario_table(const FrameRateResult& result) {
-    std::vector<FrameRateRow> rows = rows_of(result);
+    std::vector<FrameRateRow> rows = rows_of(result, {});
     std::erase_if(rows, [](const FrameRateRow& row) { return row.flight == nullptr; });
     return table_of(rows, fields());
 }
@@ -261,7 +283,8 @@ Section frame_rate_section(const ReportData& data) {
         return section;
     }
     const FrameRateResult& result = *data.frame_rate;
-    section.text_html = text_of(data, result);
+    const std::vector<PredictedFrames> models = predicted_frames(data);
+    section.text_html = text_of(result, models);
     section.plots.push_back(over_time(result, "Frame rate over the motion", "frames/s",
                                       [&](const auto& frame) { return paced_fps(frame, result.target_fps); }));
     section.plots.push_back(over_time(result, "Level over the motion, 0 the finest", "level",
@@ -269,7 +292,7 @@ Section frame_rate_section(const ReportData& data) {
     section.plots.push_back(error_plot(result));
     section.plots.push_back(distribution_plot(result));
     section.shown = scenario_table(result);
-    section.rows = table_of(rows_of(result), fields());
+    section.rows = table_of(rows_of(result, models), fields());
     return section;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace lodestream::control {
 
@@ -30,13 +31,16 @@ double usable(double value, double otherwise) {
     return std::isfinite(value) && value > 0.0 ? std::min(value, 1e9) : otherwise;
 }
 
-// The work in units of the first guess: shares times these are milliseconds.
-Vector features(const FrameTimeModel& model, const Work& work) {
-    const Vector amounts{1.0, work.triangles * work.exposures * 1e-6, work.pixels * work.exposures * 1e-6,
-                         work.uploaded_triangles * 1e-6, work.background_load};
-    Vector out{};
-    for (std::size_t i = 0; i < size; ++i) out[i] = amounts[i] * model.first_guess_ms[i];
-    return out;
+// Milliseconds of fixed, triangles, pixels, uploaded and background.
+Vector parts(const FrameCosts& costs, const Work& work) {
+    const double triangles_ms = work.triangles * costs.per_million_triangles_ms +
+                                work.vertices * costs.per_million_vertices_ms +
+                                work.extent_px * costs.per_million_extent_ms;
+    const double pixels_ms = work.pixels * costs.per_million_pixels_ms +
+                             work.covered_px * costs.per_million_covered_ms +
+                             work.textured_px * costs.per_million_textured_ms;
+    return {costs.fixed_ms, 1e-6 * work.exposures * triangles_ms, 1e-6 * work.exposures * pixels_ms,
+            1e-6 * work.uploaded_triangles * costs.per_million_uploaded_ms, work.background_load * costs.background_ms};
 }
 
 double product(const Vector& a, const Vector& b) {
@@ -82,14 +86,23 @@ void correct(FrameTimeModel& model, const Vector& x, double measured_ms) {
 
 }  // namespace
 
+double frame_ms(const FrameCosts& costs, const Work& work) {
+    const Vector ms = parts(costs, work);
+    return std::accumulate(ms.begin(), ms.end(), 0.0);
+}
+
 FrameTimeModel make_model(const FrameCosts& first_guess) {
     const FrameCosts otherwise;
     FrameTimeModel model;
-    model.first_guess_ms = {usable(first_guess.fixed_ms, otherwise.fixed_ms),
-                            usable(first_guess.per_million_triangles_ms, otherwise.per_million_triangles_ms),
-                            usable(first_guess.per_million_pixels_ms, otherwise.per_million_pixels_ms),
-                            usable(first_guess.per_million_uploaded_ms, otherwise.per_million_uploaded_ms),
-                            usable(first_guess.background_ms, otherwise.background_ms)};
+    model.first_guess = {usable(first_guess.fixed_ms, otherwise.fixed_ms),
+                         usable(first_guess.per_million_triangles_ms, otherwise.per_million_triangles_ms),
+                         usable(first_guess.per_million_pixels_ms, otherwise.per_million_pixels_ms),
+                         usable(first_guess.per_million_uploaded_ms, otherwise.per_million_uploaded_ms),
+                         usable(first_guess.background_ms, otherwise.background_ms),
+                         usable(first_guess.per_million_vertices_ms, 0.0),
+                         usable(first_guess.per_million_covered_ms, 0.0),
+                         usable(first_guess.per_million_textured_ms, 0.0),
+                         usable(first_guess.per_million_extent_ms, 0.0)};
     model.share.fill(1.0);
     for (std::size_t i = 0; i < size; ++i) model.covariance[i][i] = first_deviation * first_deviation;
     model.level_factor.fill(1.0);
@@ -99,7 +112,7 @@ FrameTimeModel make_model(const FrameCosts& first_guess) {
 
 double predict_ms(const FrameTimeModel& model, const Work& work) {
     const double factor = model.level_factor[std::min<std::size_t>(work.level, max_levels - 1)];
-    const double ms = product(model.share, features(model, work)) * factor;
+    const double ms = product(model.share, parts(model.first_guess, work)) * factor;
     return std::isfinite(ms) ? std::max(ms, least_ms) : max_frame_ms;
 }
 
@@ -114,7 +127,7 @@ FrameTimeModel learn(FrameTimeModel model, const Work& work, double measured_ms)
     model.spread += spread_gain * (std::min(off, outlier_deviations * std::max(model.spread, 0.01)) - model.spread);
 
     double& factor = model.level_factor[std::min<std::size_t>(work.level, max_levels - 1)];
-    const Vector x = features(model, work);
+    const Vector x = parts(model.first_guess, work);
     add_drift(model);
     bound_covariance(model);
     correct(model, x, measured_ms / factor);

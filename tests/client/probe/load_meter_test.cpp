@@ -8,6 +8,7 @@
 #include <csignal>
 #include <ctime>
 #include <thread>
+#include <vector>
 
 namespace lodestream::probe {
 namespace {
@@ -35,6 +36,25 @@ TEST(LoadMeter, RefusesOtherText) {
 
 TEST(LoadMeter, SaysNothingAboutNoTime) {
     EXPECT_FALSE(LoadMeter().other_cores());
+}
+
+TEST(LoadMeter, ReadsWhatAThreadWaited) {
+    EXPECT_EQ(*parse_waited_ns("1200 345 6"), 345.0);
+    for (const char* bad : {"", "1200", "1200 x", "1200 -5 1"}) EXPECT_FALSE(parse_waited_ns(bad)) << bad;
+}
+
+// More threads than cores: some of them have to wait.
+TEST(LoadMeter, SeesThatThreadsWait) {
+    const double before_ms = waited_ms();
+    double waited = 0.0;
+    {
+        std::vector<std::jthread> threads;
+        for (unsigned i = 0; i < 2 * std::thread::hardware_concurrency() + 1; ++i)
+            threads.emplace_back([] { busy(0.5); });
+        std::this_thread::sleep_for(std::chrono::milliseconds(400));
+        waited = waited_ms() - before_ms;  // of threads that still run
+    }
+    EXPECT_GT(waited, 50.0);
 }
 
 // Machines that run tests have other load, which may only add.

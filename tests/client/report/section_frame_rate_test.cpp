@@ -42,12 +42,23 @@ TEST(FrameRateSection, SaysWherePredictiveIsBehind) {
     EXPECT_THAT(frame_rate_section(data).text_html, HasSubstr("less often than another on 1 of the 20 motions"));
 }
 
-TEST(FrameRateSection, SaysHowLinearFrameTimesAreOverALadder) {
-    // 6400, 3200 and 1600 triangles take 4 ms each: between the ends nothing is off. One level at 2 ms: by 100 %.
+TEST(FrameRateSection, SaysHowFarTheProbeIsOffFrameTimes) {
     ReportData data = testing::report_data();
-    EXPECT_THAT(frame_rate_section(data).text_html, HasSubstr("off by 0 % in the median over 2 levels"));
-    for (DrawnLevel& drawn : data.assets[0].ladder[1].drawn) drawn.frame_ms = 2.0;
-    EXPECT_THAT(frame_rate_section(data).text_html, HasSubstr("off by 100 % in the median over 2 levels"));
+    EXPECT_THAT(frame_rate_section(data).text_html, Not(HasSubstr("From the probe")));
+    std::size_t frames = 0;
+    for (LadderLevel& level : data.assets[0].ladder)
+        for (DrawnLevel& drawn : level.drawn) {
+            drawn.predicted_ms = (frames == 0 ? 0.5 : 1.1) * drawn.frame_ms;
+            ++frames;
+        }
+    const Section section = frame_rate_section(data);
+    EXPECT_THAT(section.text_html, HasSubstr("error of 10 % in the median"));
+    EXPECT_THAT(section.text_html, HasSubstr("50 % at the worst, over " + std::to_string(frames) + " levels"));
+    const auto& row = section.rows.rows.back();
+    EXPECT_EQ(std::get<std::string>(row[column(section.rows, "series")]), "predicted");
+    EXPECT_EQ(std::get<std::string>(row[column(section.rows, "model")]), data.assets[0].asset.name);
+    EXPECT_EQ(std::get<std::uint64_t>(row[column(section.rows, "frames")]), frames);
+    EXPECT_NEAR(std::get<double>(row[column(section.rows, "worst_prediction_error_percent")]), 50.0, 1e-9);
 }
 
 TEST(FrameRateSection, SaysWhenTheFlightsWereDisturbed) {

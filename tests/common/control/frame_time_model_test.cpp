@@ -89,10 +89,30 @@ TEST(FrameTimeModel, SafetyGrowsWithTheSpreadOfTheFrames) {
     EXPECT_GT(safety_factor(trained(400, 0.10)), 1.15);
 }
 
+TEST(FrameTimeModel, PredictsByWhatAProbeToldApartAndLearnsInItsProportions) {
+    FrameCosts costs{1.0, 80.0, 0.5, 50.0, 5.0};
+    costs.per_million_vertices_ms = 20.0;
+    costs.per_million_covered_ms = 6.0;
+    costs.per_million_textured_ms = 2.0;
+    costs.per_million_extent_ms = 30.0;
+    Work work{0, 50'000, 2.0, 4e5, 0.0, 0.0};
+    work.vertices = 25'000;
+    work.covered_px = 3e5;
+    work.textured_px = 1e5;
+    work.extent_px = 1e5;
+    const double triangles_ms = 0.05 * 80.0 + 0.025 * 20.0 + 0.1 * 30.0, pixels_ms = 0.4 * 0.5 + 0.3 * 6.0 + 0.1 * 2.0;
+    EXPECT_NEAR(frame_ms(costs, work), 1.0 + 2.0 * (triangles_ms + pixels_ms), 1e-12);
+    EXPECT_NEAR(predict_ms(make_model(costs), work), frame_ms(costs, work), 1e-12);
+
+    FrameTimeModel model = make_model(costs);
+    for (int i = 0; i < 100; ++i) model = learn(model, work, 1.5 * frame_ms(costs, work));
+    EXPECT_NEAR(predict_ms(model, work), 1.5 * frame_ms(costs, work), 0.2);
+}
+
 TEST(FrameTimeModel, ReplacesAFirstGuessThatIsNoCost) {
     const FrameTimeModel model = make_model({nan, -1.0, 0.0, std::numeric_limits<double>::infinity(), 1e300});
     EXPECT_TRUE(std::isfinite(predict_ms(model, {0, 1e9, 4.0, 1e9, 1e9, 1.0})));
-    EXPECT_EQ(model.first_guess_ms[1], FrameCosts{}.per_million_triangles_ms);
+    EXPECT_EQ(model.first_guess.per_million_triangles_ms, FrameCosts{}.per_million_triangles_ms);
 }
 
 }  // namespace
