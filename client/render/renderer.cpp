@@ -15,28 +15,13 @@
 #include <utility>
 #include <vector>
 
+#include "client/render/gl_objects.h"
 #include "client/render/scene.h"
 #include "client/render/shaders.h"
 
 namespace lodestream::render {
 namespace {
 
-enum Location : GLuint {
-    location_position,
-    location_color,
-    location_texture_coordinate,
-    location_normal_or_previous,
-    location_first
-};
-
-struct Program {
-    GLuint id = 0;
-    GLint clip_from_scene = -1, offset = -1, eye = -1, lights = -1, light_count = -1, phong = -1, base_color = -1,
-          emissive = -1, alpha_cutoff = -1, disc = -1, share = -1;
-};
-
-enum class Style : std::uint8_t { gouraud, flat, points, quads };  // the last two of discs
-constexpr std::size_t styles = 4;
 constexpr double largest_disc_radius = 1e6;  // of the cloud's own; keeps what is worked out from it finite
 constexpr float largest_quad_px = 1e6f;      // what is larger fills the picture
 constexpr double least_cut_px = 4.0;         // smaller discs with their centre outside the picture may be left out
@@ -58,8 +43,7 @@ struct Batch {
     const Group* group = nullptr;
     Style style = Style::gouraud;
     std::uint32_t material = 0;
-    GLuint vertex_array = 0;
-    std::vector<GLuint> buffers;
+    VertexArray vertices;
     GLsizei first = 0, corners = 0;  // the range of the indices, or the points
     Vec3d center{0.0};
     std::shared_ptr<const std::vector<std::uint32_t>> places;  // of a movable level's triangles in its order; else null
@@ -75,191 +59,8 @@ bool is_blended(const Batch& batch) {
     return batch.group->materials[batch.material].alpha_mode == mesh::AlphaMode::blend;
 }
 
-struct Target {
-    std::uint32_t width = 0, height = 0, samples = 0;
-    GLuint framebuffer = 0, color = 0, depth = 0;
-};
-
 Error out_of_memory(const std::string& what) {
     return fail(ErrorCode::limit_exceeded, "the graphics driver has no memory for " + what);
-}
-
-// Of OpenGL ES: 32 is 3.2.
-int driver_version() {
-    GLint major = 0, minor = 0;
-    glGetIntegerv(GL_MAJOR_VERSION, &major);
-    glGetIntegerv(GL_MINOR_VERSION, &minor);
-    return major * 10 + minor;
-}
-
-// Also forgets errors from before, which are another caller's.
-bool gl_failed() {
-    bool failed = false;
-    while (glGetError() != GL_NO_ERROR) failed = true;
-    return failed;
-}
-
-Result<GLuint> compile(GLenum stage, const char* head, const char* source) {
-    const GLuint shader = glCreateShader(stage);
-    const std::array<const char*, 3> parts{head, shader_limits, source};
-    glShaderSource(shader, static_cast<GLsizei>(parts.size()), parts.data(), nullptr);
-    glCompileShader(shader);
-    GLint compiled = GL_FALSE;
-    glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-    if (compiled) return shader;
-    std::array<char, 512> log{};
-    glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
-    glDeleteShader(shader);
-    return fail(ErrorCode::internal, std::string("shader: ") + log.data());
-}
-
-// `head`: the version and what is defined.
-Result<Program> link(const char* head) {
-    const auto vertex = compile(GL_VERTEX_SHADER, head, vertex_shader);
-    if (!vertex) return vertex.error();
-    const auto fragment = compile(GL_FRAGMENT_SHADER, head, fragment_shader);
-    if (!fragment) {
-        glDeleteShader(*vertex);
-        return fragment.error();
-    }
-    Program program;
-    program.id = glCreateProgram();
-    glAttachShader(program.id, *vertex);
-    glAttachShader(program.id, *fragment);
-    glLinkProgram(program.id);
-    glDeleteShader(*vertex);
-    glDeleteShader(*fragment);
-    GLint linked = GL_FALSE;
-    glGetProgramiv(program.id, GL_LINK_STATUS, &linked);
-    if (!linked) {
-        glDeleteProgram(program.id);
-        return fail(ErrorCode::internal, "shader program does not link");
-    }
-    const auto uniform = [&](const char* name) { return glGetUniformLocation(program.id, name); };
-    program.clip_from_scene = uniform("u_clip_from_scene");
-    program.offset = uniform("u_offset");
-    program.eye = uniform("u_eye");
-    program.lights = uniform("u_lights");
-    program.light_count = uniform("u_light_count");
-    program.phong = uniform("u_phong");
-    program.base_color = uniform("u_base_color");
-    program.emissive = uniform("u_emissive");
-    program.alpha_cutoff = uniform("u_alpha_cutoff");
-    program.disc = uniform("u_disc");
-    program.share = uniform("u_share");
-    glUseProgram(program.id);
-    glUniform1i(uniform("u_base_color_texture"), 0);
-    glUniform1i(uniform("u_emissive_texture"), 1);
-    glUseProgram(0);  // one in use outlives its deletion
-    return program;
-}
-
-GLuint make_texture(std::uint32_t width, std::uint32_t height, const std::uint8_t* rgba) {
-    GLuint texture = 0;
-    glGenTextures(1, &texture);
-    glBindTexture(GL_TEXTURE_2D, texture);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8_ALPHA8, static_cast<GLsizei>(width), static_cast<GLsizei>(height), 0,
-                 GL_RGBA, GL_UNSIGNED_BYTE, rgba);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    glGenerateMipmap(GL_TEXTURE_2D);
-    return texture;
-}
-
-GLint wrap_mode(mesh::Wrap wrap) {
-    switch (wrap) {
-        case mesh::Wrap::clamp_to_edge:
-            return GL_CLAMP_TO_EDGE;
-        case mesh::Wrap::mirrored_repeat:
-            return GL_MIRRORED_REPEAT;
-        case mesh::Wrap::repeat:
-            break;
-    }
-    return GL_REPEAT;
-}
-
-void attribute(GLuint location, GLint components, GLenum type, bool normalized, std::size_t stride,
-               std::size_t offset) {
-    glEnableVertexAttribArray(location);
-    glVertexAttribPointer(location, components, type, normalized ? GL_TRUE : GL_FALSE, static_cast<GLsizei>(stride),
-                          reinterpret_cast<const void*>(offset));
-}
-
-template <class T>
-std::uint64_t add_buffer(Batch& batch, GLenum target, const std::vector<T>& data) {
-    GLuint& buffer = batch.buffers.emplace_back(0);
-    glGenBuffers(1, &buffer);
-    glBindBuffer(target, buffer);
-    glBufferData(target, static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(), GL_STATIC_DRAW);
-    return data.size() * sizeof(T);
-}
-
-// Returns the bytes that the buffers take.
-std::uint64_t fill(Batch& batch, const Streams& streams) {
-    constexpr std::size_t corner = sizeof(Vec3f);
-    glGenVertexArrays(1, &batch.vertex_array);
-    glBindVertexArray(batch.vertex_array);
-    std::uint64_t bytes = add_buffer(batch, GL_ARRAY_BUFFER, streams.positions);
-    attribute(location_position, 3, GL_FLOAT, false, corner, 0);
-    if (batch.style == Style::flat) {
-        bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.first_corners);
-        attribute(location_first, 3, GL_FLOAT, false, corner, 0);
-        bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.previous_corners);
-        attribute(location_normal_or_previous, 3, GL_FLOAT, false, corner, 0);
-    } else if (!streams.normals.empty()) {
-        bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.normals);
-        attribute(location_normal_or_previous, 3, GL_FLOAT, false, corner, 0);
-    }
-    if (batch.style != Style::points) bytes += add_buffer(batch, GL_ELEMENT_ARRAY_BUFFER, streams.indices);
-    if (!streams.colors.empty()) {
-        bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.colors);
-        attribute(location_color, 4, GL_UNSIGNED_BYTE, true, sizeof(Rgba8), 0);
-    }
-    if (!streams.texture_coordinates.empty()) {
-        bytes += add_buffer(batch, GL_ARRAY_BUFFER, streams.texture_coordinates);
-        attribute(location_texture_coordinate, 2, GL_FLOAT, false, sizeof(Vec2f), 0);
-    }
-    glBindVertexArray(0);
-    batch.center = streams.center;
-    return bytes;
-}
-
-void release(Batch& batch) {
-    glDeleteBuffers(static_cast<GLsizei>(batch.buffers.size()), batch.buffers.data());
-    glDeleteVertexArrays(1, &batch.vertex_array);
-}
-
-void release(Target& target) {
-    glDeleteFramebuffers(1, &target.framebuffer);
-    glDeleteRenderbuffers(1, &target.color);
-    glDeleteRenderbuffers(1, &target.depth);
-    target = {};
-}
-
-GLuint make_renderbuffer(const Target& target, GLenum format) {
-    GLuint id = 0;
-    glGenRenderbuffers(1, &id);
-    glBindRenderbuffer(GL_RENDERBUFFER, id);
-    glRenderbufferStorageMultisample(GL_RENDERBUFFER, target.samples > 1 ? static_cast<GLsizei>(target.samples) : 0,
-                                     format, static_cast<GLsizei>(target.width), static_cast<GLsizei>(target.height));
-    return id;
-}
-
-// `samples` = 1 without depth is what a multisampled picture is resolved into.
-bool resize(Target& target, std::uint32_t width, std::uint32_t height, std::uint32_t samples, bool with_depth) {
-    if (target.width == width && target.height == height && target.samples == samples) return true;
-    release(target);
-    gl_failed();
-    target = {width, height, samples, 0, 0, 0};
-    target.color = make_renderbuffer(target, GL_SRGB8_ALPHA8);
-    if (with_depth) target.depth = make_renderbuffer(target, GL_DEPTH_COMPONENT24);
-    glGenFramebuffers(1, &target.framebuffer);
-    glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target.color);
-    if (with_depth) glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth);
-    const bool complete = !gl_failed() && glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
-    if (!complete) release(target);
-    return complete;
 }
 
 double median(std::vector<double> values) {
@@ -297,7 +98,7 @@ struct Renderer::Impl {
     Placement placement;
     Vec3d origin{0.0};
     std::vector<points::Level> levels;  // of the cloud, model units
-    std::vector<Camera> exposures;  // of the frame at hand, the drawn view last
+    std::vector<Camera> exposures;      // of the frame at hand, the drawn view last
     struct Shown {
         Vec3f offset{0.0f};  // scene coordinates
         GLsizei points = 0;
@@ -402,7 +203,7 @@ void Renderer::Impl::release_textures(Group& group) const {
 }
 
 void Renderer::Impl::clear() {
-    for (Batch& batch : batches) release(batch);
+    for (Batch& batch : batches) release(batch.vertices);
     release_textures(level);
     for (auto& [id, part] : parts) release_textures(part);
     batches.clear();
@@ -435,7 +236,8 @@ Batch& Renderer::Impl::add_batch(Group& group, std::uint32_t material, Style sty
     batch.style = style;
     batch.material = material;
     batch.corners = static_cast<GLsizei>(streams.indices.size());
-    group.uploaded.geometry_bytes += fill(batch, streams);
+    batch.center = streams.center;
+    group.uploaded.geometry_bytes += fill(batch.vertices, streams, style);
     (style == Style::flat ? group.uploaded.flat_vertices : group.uploaded.gouraud_vertices) += streams.positions.size();
     return batch;
 }
@@ -509,7 +311,9 @@ Result<UploadStatistics> Renderer::Impl::upload(const codec::Points& content) {
         batch.group = &level;
         batch.style = Style::points;
         batch.corners = static_cast<GLsizei>(level.uploaded.points);
-        level.uploaded.geometry_bytes = fill(batch, disc_streams(content.cloud, placement));
+        const Streams streams = disc_streams(content.cloud, placement);
+        batch.center = streams.center;
+        level.uploaded.geometry_bytes = fill(batch.vertices, streams, batch.style);
     }
     if (gl_failed()) return out_of_memory(std::to_string(level.uploaded.points) + " points");
     return level.uploaded;
@@ -561,7 +365,7 @@ void Renderer::Impl::remove(std::uint32_t part) {
     if (found == parts.end()) return;
     const auto is_of_part = [&](const Batch& batch) { return batch.group == &found->second; };
     for (Batch& batch : batches)
-        if (is_of_part(batch)) release(batch);
+        if (is_of_part(batch)) release(batch.vertices);
     std::erase_if(batches, is_of_part);
     release_textures(found->second);
     parts.erase(found);
@@ -658,7 +462,7 @@ void Renderer::Impl::draw_discs(const Program& program, const Shown& instance) {
 void Renderer::Impl::draw_batch(const Program& program, const Batch& batch, Style style) {
     const auto offset = static_cast<std::uintptr_t>(batch.first) * sizeof(std::uint32_t);
     const bool is_cloud = batch.style == Style::points;
-    glBindVertexArray(batch.vertex_array);
+    glBindVertexArray(batch.vertices.id);
     for (const Shown& instance : shown) {
         if (is_cloud && instance.as_quads != (style == Style::quads)) continue;
         glUniform3f(program.offset, instance.offset.x, instance.offset.y, instance.offset.z);
