@@ -62,9 +62,8 @@ Section end_to_end_section(const ReportData& data) {
     section.text_html =
         "<p>How good the picture is, and how long after the click: plan + fetch + decode + first frame, for each "
         "level of the ladder (one point a level, coarse to fine from left to right) over four links. The links are "
-        "<strong>throttled for real</strong>: the client reads no faster, so the server is held back, and waits a "
-        "round "
-        "trip for the plan and another for the content (";
+        "<strong>throttled for real</strong>: the client reads no faster and waits a round trip for "
+        "the plan and another for the content (";
     for (const Link& link : links)
         section.text_html +=
             (&link == links.begin() ? "" : ", ") + link_text(link) + " with " + format_number(link.rtt_ms) + " ms";
