@@ -1,6 +1,5 @@
 #include "client/view_command.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -31,16 +30,6 @@ shading::View fit(const Box& bounds, const budget::Display& display) {
     return view;
 }
 
-Result<proto::Asset> find_asset(sdk::Client& client, const std::string& id_or_name) {
-    auto assets = client.assets();
-    if (!assets) return assets.error();
-    const auto found = std::find_if(assets->begin(), assets->end(), [&](const proto::Asset& asset) {
-        return asset.id == id_or_name || asset.name == id_or_name;
-    });
-    if (found == assets->end()) return fail(ErrorCode::not_found, "no asset \"" + id_or_name + "\" on the server");
-    return client.asset(found->id);
-}
-
 Result<proto::PlanRequest> make_request(sdk::Client& client, const ViewArguments& arguments) {
     auto request = read_device_file(arguments.device);
     if (!request) return request;
@@ -59,7 +48,7 @@ Result<proto::PlanRequest> make_request(sdk::Client& client, const ViewArguments
     display.width = arguments.width.value_or(display.width);
     display.height = arguments.height.value_or(display.height);
     request->budget.display = display;
-    const auto asset = find_asset(client, arguments.asset);
+    const auto asset = client.find_asset(arguments.asset);
     if (!asset) return asset.error();
     if (asset->kind == "points") request->primitives = proto::Primitives::points;
     if (request->view) return request;

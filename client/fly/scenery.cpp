@@ -12,20 +12,6 @@ namespace {
 
 constexpr double eye_over_terrain = 0.02;
 
-Result<proto::Asset> find_asset(sdk::Client& client, const std::string& id_or_name) {
-    const auto assets = client.assets();
-    if (!assets) return assets.error();
-    const auto found = std::find_if(assets->begin(), assets->end(), [&](const proto::Asset& asset) {
-        return asset.id == id_or_name || asset.name == id_or_name;
-    });
-    if (found == assets->end()) return fail(ErrorCode::not_found, "no asset \"" + id_or_name + "\" on the server");
-    auto asset = client.asset(found->id);
-    if (asset && asset->levels.empty())
-        return fail(ErrorCode::unavailable,
-                    "asset \"" + id_or_name + "\" has no levels: it is " + proto::status_name(asset->status));
-    return asset;
-}
-
 double degrees(double angle) {
     return angle * 180.0 / pi;
 }
@@ -39,8 +25,11 @@ motion::Pose pose_of(const shading::View& view) {
 }  // namespace
 
 Result<Scenery> fetch_scenery(sdk::Client& client, const std::string& id_or_name, std::uint64_t max_triangles) {
-    const auto asset = find_asset(client, id_or_name);
+    const auto asset = client.find_asset(id_or_name);
     if (!asset) return asset.error();
+    if (asset->levels.empty())
+        return fail(ErrorCode::unavailable,
+                    "asset \"" + id_or_name + "\" has no levels: it is " + proto::status_name(asset->status));
     Scenery scenery;
     scenery.kind = asset->kind;
     double max_error = 0.0;
