@@ -12,16 +12,6 @@ namespace {
 
 constexpr double eye_over_terrain = 0.02;
 
-double degrees(double angle) {
-    return angle * 180.0 / pi;
-}
-
-motion::Pose pose_of(const shading::View& view) {
-    const Vec3d forward = normalize(view.target - view.eye);
-    return {std::nullopt, degrees(std::atan2(-forward.x, -forward.z)),
-            degrees(std::asin(std::clamp(forward.y, -1.0, 1.0)))};
-}
-
 }  // namespace
 
 Result<Scenery> fetch_scenery(sdk::Client& client, const std::string& id_or_name, std::uint64_t max_triangles) {
@@ -89,7 +79,7 @@ shading::View view_of(const shading::View& default_view, const motion::Pose& pos
     if (pose.position) {
         view.eye = *pose.position;
     } else {
-        const motion::Pose home = pose_of(default_view);
+        const motion::Pose home = motion::looking_at(default_view.eye, default_view.target);
         seen.yaw_deg += home.yaw_deg;
         seen.pitch_deg = std::clamp(seen.pitch_deg + home.pitch_deg, -motion::max_pitch_deg, motion::max_pitch_deg);
     }

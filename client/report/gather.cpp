@@ -325,8 +325,8 @@ Result<DeviceResult> Gatherer::measure_device(AssetResult& asset, std::size_t de
     const Result<proto::PlanResponse> plain = client_.plan(request);
     if (!plain) return plain.error();
     out.plain_bytes = plain->content.bytes;
-    request.profile = proto::Profile::lean;
-    if (auto again = timed(effort_, out.replan_ms, [&] { return client_.plan(request); }); !again) return again.error();
+    if (auto again = timed(effort_, out.replan_ms, [&] { return client_.plan(out.sent_request); }); !again)
+        return again.error();
     if (Status saved = save_pictures(asset, device, picture, reference.images[device]); !saved) return saved.error();
     return out;
 }

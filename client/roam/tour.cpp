@@ -14,20 +14,10 @@ struct Station {
     Vec3d eye, target;
 };
 
-double degrees(double angle) {
-    return angle * 180.0 / pi;
-}
-
 // The mean of a and b in time and space that comes to rest at both.
 Station between(const Station& a, const Station& b, double t) {
     const double smooth = t * t * (3.0 - 2.0 * t);
     return {a.eye + smooth * (b.eye - a.eye), a.target + smooth * (b.target - a.target)};
-}
-
-motion::Pose pose_of(const Station& station) {
-    const Vec3d towards = normalize(station.target - station.eye);
-    return {station.eye, degrees(std::atan2(-towards.x, -towards.z)),
-            degrees(std::asin(std::clamp(towards.y, -1.0, 1.0)))};
 }
 
 }  // namespace
@@ -51,7 +41,7 @@ motion::Trace tour(const Box& bounds) {
         const double at = static_cast<double>(stations.size() - 1) * i / samples;
         const auto leg = std::min(static_cast<std::size_t>(at), stations.size() - 2);
         const Station now = between(stations[leg], stations[leg + 1], at - static_cast<double>(leg));
-        trace.push_back({tour_s * i / samples, pose_of(now)});
+        trace.push_back({tour_s * i / samples, motion::looking_at(now.eye, now.target)});
     }
     return trace;
 }

@@ -18,6 +18,12 @@ std::optional<Vec3d> position_between(const Pose& a, const Pose& b, double share
 
 }  // namespace
 
+Pose looking_at(const Vec3d& eye, const Vec3d& target) {
+    const Vec3d forward = normalize(target - eye);
+    const auto degrees = [](double angle) { return angle * 180.0 / pi; };
+    return {eye, degrees(std::atan2(-forward.x, -forward.z)), degrees(std::asin(std::clamp(forward.y, -1.0, 1.0)))};
+}
+
 double duration_s(const Trace& trace) {
     return trace.empty() ? 0.0 : trace.back().t_s - trace.front().t_s;
 }

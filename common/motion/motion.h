@@ -22,6 +22,9 @@ struct Pose {
     double pitch_deg = 0.0;         // likewise
 };
 
+// From `eye` towards `target`, by absolute angles. pre: they differ
+Pose looking_at(const Vec3d& eye, const Vec3d& target);
+
 struct Sample {
     double t_s = 0.0;
     Pose pose;

@@ -31,7 +31,7 @@ struct SweptLevel {
 // Throws std::runtime_error where a codec refuses.
 std::vector<CodecTrial> sweep_codecs(const SweptLevel& swept, Painter& painter, int turns);
 
-// Where an asset's files are compared: one level of each model.
+// What was found of one level of a model.
 struct SweptModel {
     std::string model;
     std::uint64_t triangles = 0;

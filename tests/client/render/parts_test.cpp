@@ -8,6 +8,7 @@
 #include <set>
 
 #include "client/render/renderer.h"
+#include "tests/client/render/contents.h"
 #include "tests/client/render/with_renderer.h"
 #include "tests/support/meshes.h"
 
@@ -25,12 +26,7 @@ Box cube(double half) {
 }
 
 Decoded content_of(mesh::Mesh mesh, Shading shading, Vec3f color) {
-    Decoded content;
-    content.materials.emplace_back();
-    content.materials[0].base_color = Vec4f(color, 1.0f);
-    if (shading == Shading::flat) mesh.normals.clear();
-    content.primitives.push_back({shading, 0, std::move(mesh)});
-    return content;
+    return testing::content_of(std::move(mesh), shading, Vec4f(color, 1.0f));
 }
 
 // Wider than the picture, facing the eye; lit by its ambience alone it shows its colour as it is.

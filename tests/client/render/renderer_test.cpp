@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "tests/client/render/contents.h"
 #include "tests/client/render/with_renderer.h"
 #include "tests/support/meshes.h"
 
@@ -15,6 +16,8 @@ namespace {
 using codec::Decoded;
 using codec::Shading;
 using shading::View;
+using testing::content_of;
+using testing::square;
 
 const View from_front{{0, 0, 4}, {0, 0, 0}, 45.0, {0, 0, 1}};
 const DrawOptions small{.width = 96, .height = 96, .samples = 1};
@@ -52,30 +55,12 @@ double rms_between(const Image& a, const Image& b) {
     return difference ? difference->rms : 1e9;
 }
 
-Decoded content_of(mesh::Mesh m, Shading shading, Vec4f color = Vec4f{0.5f, 0.5f, 0.5f, 1.0f}) {
-    Decoded content;
-    content.materials.emplace_back();
-    content.materials[0].base_color = color;
-    if (shading == Shading::flat) m.normals.clear();
-    content.primitives.push_back({shading, 0, std::move(m)});
-    return content;
-}
-
 // Around (0,0,0) in the plane z = 0, facing +z.
 mesh::Mesh facing_triangle() {
     mesh::Mesh m;
     m.positions = {{-1, -1, 0}, {1, -1, 0}, {0, 2, 0}};
     m.normals.assign(3, Vec3f{0, 0, 1});
     m.triangles = {{0, 1, 2}};
-    return m;
-}
-
-mesh::Mesh square(float z = 0.0f) {
-    mesh::Mesh m;
-    m.positions = {{-1, -1, z}, {1, -1, z}, {1, 1, z}, {-1, 1, z}};
-    m.normals.assign(4, Vec3f{0, 0, 1});
-    m.texture_coordinates = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
-    m.triangles = {{0, 1, 2}, {0, 2, 3}};
     return m;
 }
 

@@ -10,6 +10,7 @@
 
 #include "client/render/renderer.h"
 #include "tests/client/render/backend.h"
+#include "tests/client/render/contents.h"
 #include "tests/support/meshes.h"
 
 namespace lodestream::render {
@@ -18,8 +19,10 @@ namespace {
 using codec::Decoded;
 using codec::Shading;
 using shading::View;
+using testing::content_of;
 using testing::live_objects;
 using testing::LiveObjects;
+using testing::square;
 
 const View from_front{{0, 0, 4}, {0, 0, 0}, 45.0, {0, 0, 1}};
 const View turned_away{{0, 0, 4}, {0, 0, 8}, 45.0, {0, 0, 1}};
@@ -75,23 +78,6 @@ bool is_background(const Image& image) {
     for (const std::uint8_t channel : image.rgba)
         if (channel != 255) return false;
     return !image.rgba.empty();
-}
-
-Decoded content_of(mesh::Mesh mesh, Shading shading) {
-    Decoded content;
-    content.materials.emplace_back();
-    if (shading == Shading::flat) mesh.normals.clear();
-    content.primitives.push_back({shading, 0, std::move(mesh)});
-    return content;
-}
-
-mesh::Mesh square(float z = 0.0f) {
-    mesh::Mesh m;
-    m.positions = {{-1, -1, z}, {1, -1, z}, {1, 1, z}, {-1, 1, z}};
-    m.normals.assign(4, Vec3f{0, 0, 1});
-    m.texture_coordinates = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
-    m.triangles = {{0, 1, 2}, {0, 2, 3}};
-    return m;
 }
 
 mesh::Image image_of(std::uint32_t side) {

@@ -48,5 +48,15 @@ TEST(Motion, APositionIsInterpolatedWhereBothSamplesHaveOne) {
     EXPECT_EQ(*pose_at(trace, 0.5).position, Vec3d(1, 2, 3));
 }
 
+TEST(LookingAt, IsTheInverseOfADirection) {
+    const Vec3d eye{5.0, -2.0, 1e6};
+    for (const Vec3d& way :
+         {Vec3d{1, 0, 0}, Vec3d{-3, 4, 0.5}, Vec3d{0, -1, 0}, Vec3d{1e-3, 2, -1e-3}, Vec3d{0, 0, 9}}) {
+        const Pose pose = looking_at(eye, eye + way);
+        EXPECT_EQ(pose.position, eye);
+        EXPECT_LT(length(direction(pose) - normalize(way)), 1e-6);
+    }
+}
+
 }  // namespace
 }  // namespace lodestream::motion

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "client/render/renderer.h"
+#include "tests/client/render/contents.h"
 #include "tests/client/render/fake/recording_gl.h"
 #include "tests/support/meshes.h"
 
@@ -17,6 +18,7 @@ namespace {
 using codec::Decoded;
 using codec::Shading;
 using shading::View;
+using testing::content_of;
 using ::testing::Each;
 using testing::GlDraw;
 using testing::GlDriver;
@@ -26,14 +28,6 @@ using testing::RecordingGl;
 
 const View from_front{{0, 0, 4}, {0, 0, 0}, 45.0, {0, 0, 1}};
 const DrawOptions small{.width = 32, .height = 24, .samples = 1};
-
-Decoded content_of(mesh::Mesh mesh, Shading shading) {
-    Decoded content;
-    content.materials.emplace_back();
-    if (shading == Shading::flat) mesh.normals.clear();
-    content.primitives.push_back({shading, 0, std::move(mesh)});
-    return content;
-}
 
 // A Gouraud sphere with an image, of two materials, and a flat one.
 Decoded everything() {
