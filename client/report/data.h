@@ -107,7 +107,8 @@ struct CountedOperations {
 // One drawn split of one level against the full model, same view, lights and pixels.
 struct ShadingSample {
     std::string series;     // "lights", "criteria", "equal operations", "equal bytes"
-    std::string criterion;  // "paper", "importance", "importance from anywhere"; empty: nothing was chosen
+    std::string criterion;  // "paper", "measured importance" (against the full model), "importance" (by the level's
+                            // own normals), "importance from anywhere"; empty: nothing was chosen
     std::uint32_t lights = 1;
     budget::Display display;
     double distance = 0.0;        // share of flat triangles; of "lights" and "criteria"

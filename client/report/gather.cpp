@@ -90,6 +90,7 @@ struct Reference {
     Box bounds;
     std::vector<render::Image> images;  // one a device class
     std::vector<Setting> settings;      // of the shading study
+    std::optional<shading::ReferenceSurface> surface;
 };
 
 struct Fetched {
@@ -267,6 +268,7 @@ Result<Reference> Gatherer::measure_full_model(AssetResult& result) {
     if (!settings) return settings.error();
     reference.settings = *std::move(settings);
     result.operations = count_operations(full->content, reference.view);
+    reference.surface = reference_surface(full->content);
     return reference;
 }
 
@@ -459,7 +461,8 @@ Result<AssetResult> Gatherer::measure_asset(const proto::Asset& listed) {
     if (Status split = measure_split(result, *reference); !split) problem(listed.name + ", split", split.error());
     if (Status going_on = begin(listed.name + ": shading"); !going_on) return going_on.error();
     const StudyOptions study{result.asset.id, reference->view, effort_.frames, options_.quick};
-    if (Status studied = study_shading(client_, renderer_, reference->settings, study, result); !studied)
+    if (Status studied = study_shading(client_, renderer_, reference->settings, *reference->surface, study, result);
+        !studied)
         problem(listed.name + ", shading", studied.error());
     if (result.asset.hierarchy) {
         if (Status going_on = begin(listed.name + ": tiles"); !going_on) return going_on.error();

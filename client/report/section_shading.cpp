@@ -142,7 +142,8 @@ Plot price_plot(const ReportData& data) {
     for (std::size_t i = 0; i < data.assets.size(); ++i) {
         const EqualCost ends = equal_cost(data.assets[i]);
         Series series{data.assets[i].asset.name, {}, true, true, false, i};
-        std::vector<const ShadingSample*> samples = samples_of(data.assets[i], "equal operations", "importance");
+        std::vector<const ShadingSample*> samples =
+            samples_of(data.assets[i], "equal operations", "measured importance");
         std::sort(samples.begin(), samples.end(),
                   [](const auto* a, const auto* b) { return a->share_of_price < b->share_of_price; });
         for (const ShadingSample* sample : samples)
@@ -186,7 +187,7 @@ Plot criteria_plot(const AssetResult& asset) {
               {"error of the picture, %"},
               {},
               {}};
-    for (const char* criterion : {"paper", "importance", "importance from anywhere"}) {
+    for (const char* criterion : {"paper", "measured importance", "importance", "importance from anywhere"}) {
         Series series{criterion, {}, true, true, false, plot.series.size()};
         for (const ShadingSample* sample : samples_of(asset, "criteria", criterion))
             series.points.push_back({sample->distance, sample->result.image.percent,
@@ -235,8 +236,10 @@ std::string equal_cost_sentence(const std::vector<EqualCost>& rows) {
            "to the full model’s than all flat and all Gouraud, each with what it affords, on <strong>" +
            std::to_string(wins) + of +
            "</strong> models. Hybrid then spends on Gouraud shading what gains more there than three further flat "
-           "triangles would. Its choice (the greatest difference over all lights, times the area seen, as far as it "
-           "brings the picture nearer) is at least as good as the paper’s (differing corners, then size) on " +
+           "triangles would, measured on the full model’s normals. Its choice (what blending brings a triangle’s "
+           "normals "
+           "nearer to the model’s, under any light, times the area seen) is at least as good as the paper’s (differing "
+           "corners, then size) on " +
            std::to_string(better) + of +
            ". For the same bytes instead, all Gouraud with fewer triangles beats all flat on " + std::to_string(bytes) +
            of + ".</p>";

@@ -63,11 +63,34 @@ mesh::Model merged(const codec::Decoded& content) {
     return model;
 }
 
+// Which triangles are Gouraud.
+enum class Criterion { paper, measured, in_view, from_anywhere };
+
+std::string name_of(Criterion criterion) {
+    switch (criterion) {
+        case Criterion::paper:
+            return "paper";
+        case Criterion::measured:
+            return "measured importance";
+        case Criterion::in_view:
+            return "importance";
+        case Criterion::from_anywhere:
+            return "importance from anywhere";
+    }
+    return "";
+}
+
+// A level, and what its shading is off the full model.
+struct Judged {
+    mesh::Model model;
+    shading::NormalErrors errors;
+};
+
 class Study {
   public:
     Study(sdk::Client& client, render::Renderer& renderer, const std::vector<Setting>& settings,
-          const StudyOptions& options, AssetResult& asset)
-        : client_(client), renderer_(renderer), settings_(settings), options_(options), asset_(asset) {}
+          const shading::ReferenceSurface& full, const StudyOptions& options, AssetResult& asset)
+        : client_(client), renderer_(renderer), settings_(settings), full_(full), options_(options), asset_(asset) {}
 
     Status run() {
         const std::uint64_t triangles = std::min(max_study_triangles, asset_.full_triangles);
@@ -145,9 +168,8 @@ class Study {
     Result<double> chosen_share(std::uint64_t operations) {
         Result<sdk::Loaded> level = load(operations, proto::ShadingMode::gouraud);
         if (!level) return level.error();
-        const mesh::Model model = merged(level->content);
-        const auto worth = static_cast<double>(shading::worth_gouraud(
-            shading::importance(model.mesh, model.materials, {.view = options_.view, .origin = model.origin})));
+        const Judged judged = judge(level->content);
+        const auto worth = static_cast<double>(shading::worth_gouraud(importance(judged, Criterion::measured)));
         constexpr double further = budget::gouraud_operations - budget::flat_operations;
         return std::max(all_gouraud_share, 1.0 - further * worth / static_cast<double>(operations));
     }
@@ -156,14 +178,13 @@ class Study {
         const Purchase bought = purchase(operations, share);
         Result<sdk::Loaded> level = load(bought.triangles, proto::ShadingMode::gouraud);
         if (!level) return level.error();
-        const mesh::Model model = merged(level->content);
-        for (const bool paper : {false, true}) {
-            if (paper && !is_chosen && (share <= all_gouraud_share || share >= 1.0)) continue;  // nothing to choose
-            const auto order = paper ? paper_order(model) : importance_order(model, true);
-            const auto labels = first_of(order, bought.gouraud);
-            if (auto up = renderer_.upload(render::drawable(model, model.mesh, labels)); !up) return up.error();
-            ShadingSample sample = sample_of("equal operations", paper ? "paper" : "importance",
-                                             model.mesh.triangles.size(), bought.gouraud);
+        const Judged judged = judge(level->content);
+        for (const Criterion criterion : {Criterion::measured, Criterion::paper}) {
+            const bool has_choice = is_chosen || (share > all_gouraud_share && share < 1.0);
+            if (criterion == Criterion::paper && !has_choice) continue;
+            const auto order = order_by(judged, criterion);
+            if (Status up = upload_split(judged.model, order, bought.gouraud); !up) return up;
+            ShadingSample sample = sample_of("equal operations", name_of(criterion), order.size(), bought.gouraud);
             sample.share_of_price = share;
             sample.is_chosen = is_chosen;
             if (Status added = add(std::move(sample), settings_.front(), 1); !added) return added;
@@ -194,20 +215,18 @@ class Study {
 
     // The same level split after each criterion.
     Status criteria(const codec::Decoded& content) {
-        const mesh::Model model = merged(content);
-        const std::pair<const char*, std::vector<std::uint32_t>> orders[] = {
-            {"paper", paper_order(model)},
-            {"importance", importance_order(model, true)},
-            {"importance from anywhere", importance_order(model, false)}};
-        for (const auto& [name, order] : orders)
+        const Judged judged = judge(content);
+        for (const Criterion criterion :
+             {Criterion::paper, Criterion::measured, Criterion::in_view, Criterion::from_anywhere}) {
+            const auto order = order_by(judged, criterion);
             for (const double flat : flat_shares) {
                 const std::uint64_t gouraud = share_of(order.size(), 1.0 - flat);
-                const auto labels = first_of(order, gouraud);
-                if (auto up = renderer_.upload(render::drawable(model, model.mesh, labels)); !up) return up.error();
-                ShadingSample sample = sample_of("criteria", name, order.size(), gouraud);
+                if (Status up = upload_split(judged.model, order, gouraud); !up) return up;
+                ShadingSample sample = sample_of("criteria", name_of(criterion), order.size(), gouraud);
                 sample.distance = flat;
                 if (Status added = add(std::move(sample), settings_.front(), 1); !added) return added;
             }
+        }
         return Nothing{};
     }
 
@@ -221,7 +240,8 @@ class Study {
             for (const double flat : flat_shares) {
                 const std::uint64_t gouraud = share_of(level->triangles(), 1.0 - flat);
                 renderer_.move_split(gouraud);
-                ShadingSample sample = sample_of("lights", "importance from anywhere", level->triangles(), gouraud);
+                ShadingSample sample =
+                    sample_of("lights", name_of(Criterion::from_anywhere), level->triangles(), gouraud);
                 sample.distance = flat;
                 sample.result.gpu_bytes = uploaded->geometry_bytes + uploaded->texture_bytes;
                 if (Status added = add(std::move(sample), setting, options_.frames); !added) return added;
@@ -229,19 +249,37 @@ class Study {
         return Nothing{};
     }
 
-    std::vector<std::uint32_t> paper_order(const mesh::Model& model) const {
-        return shading::paper_criterion(model.mesh, model.materials, options_.view, model.origin).order;
+    Judged judge(const codec::Decoded& content) const {
+        Judged judged{merged(content), {}};
+        judged.errors = shading::normal_errors(judged.model.mesh, full_);
+        return judged;
     }
-    std::vector<std::uint32_t> importance_order(const mesh::Model& model, bool in_view) const {
-        shading::ImportanceOptions importance;
-        if (in_view) importance.view = options_.view;
-        importance.origin = model.origin;
-        return shading::order_by_gain(shading::importance(model.mesh, model.materials, importance).gain);
+
+    // pre: not the paper's
+    shading::Importance importance(const Judged& judged, Criterion criterion) const {
+        shading::ImportanceOptions options;
+        options.origin = judged.model.origin;
+        if (criterion != Criterion::from_anywhere) options.view = options_.view;
+        if (criterion == Criterion::measured) options.errors = &judged.errors;
+        return shading::importance(judged.model.mesh, judged.model.materials, options);
+    }
+
+    std::vector<std::uint32_t> order_by(const Judged& judged, Criterion criterion) const {
+        const mesh::Model& model = judged.model;
+        return criterion == Criterion::paper
+                   ? shading::paper_criterion(model.mesh, model.materials, options_.view, model.origin).order
+                   : shading::order_by_gain(importance(judged, criterion).gain);
+    }
+
+    Status upload_split(const mesh::Model& model, const std::vector<std::uint32_t>& order, std::uint64_t gouraud) {
+        auto uploaded = renderer_.upload(render::drawable(model, model.mesh, first_of(order, gouraud)));
+        return uploaded ? Status(Nothing{}) : Status(uploaded.error());
     }
 
     sdk::Client& client_;
     render::Renderer& renderer_;
     const std::vector<Setting>& settings_;
+    const shading::ReferenceSurface& full_;
     const StudyOptions& options_;
     AssetResult& asset_;
 };
@@ -286,8 +324,12 @@ Result<std::vector<Setting>> study_settings(render::Renderer& renderer, const sh
 }
 
 Status study_shading(sdk::Client& client, render::Renderer& renderer, const std::vector<Setting>& settings,
-                     const StudyOptions& options, AssetResult& asset) {
-    return Study(client, renderer, settings, options, asset).run();
+                     const shading::ReferenceSurface& full, const StudyOptions& options, AssetResult& asset) {
+    return Study(client, renderer, settings, full, options, asset).run();
+}
+
+shading::ReferenceSurface reference_surface(const codec::Decoded& full) {
+    return shading::ReferenceSurface(merged(full).mesh);
 }
 
 CountedOperations count_operations(const codec::Decoded& full, const shading::View& view) {

@@ -8,6 +8,7 @@
 #include "client/report/data.h"
 #include "client/sdk/client.h"
 #include "common/codec/level_codec.h"
+#include "common/shading/normal_errors.h"
 #include "common/shading/view.h"
 
 namespace lodestream::report {
@@ -38,6 +39,9 @@ struct Setting {
 // pre: the full model is what the renderer holds
 Result<std::vector<Setting>> study_settings(render::Renderer& renderer, const shading::View& view, bool quick);
 
+// What levels' normals are measured against.
+shading::ReferenceSurface reference_surface(const codec::Decoded& full);
+
 struct StudyOptions {
     std::string asset_id;
     shading::View view;
@@ -47,7 +51,7 @@ struct StudyOptions {
 
 // Gives `asset` its operations and its samples. Errors: of the server, the decoder or the renderer.
 Status study_shading(sdk::Client& client, render::Renderer& renderer, const std::vector<Setting>& settings,
-                     const StudyOptions& options, AssetResult& asset);
+                     const shading::ReferenceSurface& full, const StudyOptions& options, AssetResult& asset);
 
 // Table 3 counted on one mesh, all Gouraud primitives merged.
 CountedOperations count_operations(const codec::Decoded& full, const shading::View& view);

@@ -11,6 +11,7 @@
 namespace lodestream::shading {
 namespace {
 
+constexpr double small_angle = 0.01;        // radians, over which a display is taken as linear
 constexpr double nearest_eye_share = 1e-2;  // of the longest edge: an eye in the triangle's plane or on a corner
 
 // Linear light as an 8-bit sRGB display shows it, [0, 1] to [0, 1].
@@ -39,7 +40,7 @@ double specular_part(double angle, const Phong& phong, double slope) {
     return phong.specular * std::min(1.0, 2.0 * angle * slope);
 }
 
-double difference(const Parts& parts, double color, double darkest) {
+double displayed_difference(const Parts& parts, double color, double darkest) {
     return displayed(darkest + color * parts.diffuse + parts.specular) - displayed(darkest);
 }
 
@@ -122,14 +123,35 @@ class Evaluation {
           slope_(steepest_slope(options.phong.shininess)),
           eye_(options.view ? options.view->eye - options.origin : Vec3d(0.0)) {}
 
-    double operator()(const Face& face) {
+    // The solid angle or area that a triangle counts with.
+    double size(const Face& face) {
+        ++counts_.sizes;
+        return options_.view ? seen_area(face, *options_.view, eye_) : face.area;
+    }
+
+    // The greatest difference, mean square over the triangle.
+    double difference(const Face& face) {
         const double darkest = ambient();
         std::array<Parts, 3> parts;
         for (std::size_t i = 0; i < 3; ++i) {
             const double angle = angle_between(face.normals[i], face.normal);
             parts[i] = {diffuse(angle), specular(angle)};
         }
-        return size(face) * mean_square(face, parts, darkest);
+        return mean_square(face, parts, darkest);
+    }
+
+    // What the display makes of a normal's squared error.
+    double squared_slope(const Face& face) const {
+        const double ambient = options_.phong.ambient;
+        const Parts parts{diffuse_part(small_angle, options_.phong),
+                          specular_part(small_angle, options_.phong, slope_)};
+        double sum = 0.0;
+        for (int channel = 0; channel < 3; ++channel) {
+            const double color = mean_color(face, channel);
+            const double step = displayed_difference(parts, color, color * ambient) / small_angle;
+            sum += step * step;
+        }
+        return finite_or_zero(sum / 3.0);
     }
 
   private:
@@ -145,10 +167,6 @@ class Evaluation {
         ++counts_.specular;
         return specular_part(angle, options_.phong, slope_);
     }
-    double size(const Face& face) {
-        ++counts_.sizes;
-        return options_.view ? seen_area(face, *options_.view, eye_) : face.area;
-    }
     double mean_square(const Face& face, const std::array<Parts, 3>& parts, double ambient) {
         ++counts_.comparisons;
         double channel_sum = 0.0, sum = 0.0;
@@ -158,6 +176,12 @@ class Evaluation {
             sum += channel_sum;
         }
         return finite_or_zero(sum / 36.0);
+    }
+
+    static double mean_color(const Face& face, int channel) {
+        double sum = 0.0;
+        for (const Vec3d& color : face.colors) sum += std::clamp(finite_or_zero(color[channel]), 0.0, 1.0);
+        return sum / 3.0;
     }
 
     // Of grey corners one channel says all.
@@ -170,7 +194,7 @@ class Evaluation {
         double sum = 0.0, squares = 0.0;
         for (std::size_t i = 0; i < 3; ++i) {
             const double color = std::clamp(finite_or_zero(face.colors[i][channel]), 0.0, 1.0);
-            const double step = difference(parts[i], color, color * ambient);
+            const double step = displayed_difference(parts[i], color, color * ambient);
             sum += step;
             squares += step * step;
         }
@@ -188,7 +212,7 @@ class Evaluation {
 double greatest_difference(double degrees_apart, double color, const Phong& phong) {
     const double angle = std::clamp(finite_or_zero(degrees_apart), 0.0, 180.0) * pi / 180.0;
     const Parts parts{diffuse_part(angle, phong), specular_part(angle, phong, steepest_slope(phong.shininess))};
-    return difference(parts, color, color * phong.ambient);
+    return displayed_difference(parts, color, color * phong.ambient);
 }
 
 Importance importance(const mesh::Mesh& mesh, const std::vector<mesh::Material>& materials,
@@ -199,8 +223,16 @@ Importance importance(const mesh::Mesh& mesh, const std::vector<mesh::Material>&
     result.gain.reserve(mesh.triangles.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const Face face = face_of(mesh, t, materials);
-        result.difference.push_back(evaluate(face));
-        result.gain.push_back(result.difference.back() * share_gained(face));
+        const double size = evaluate.size(face), difference = size * evaluate.difference(face);
+        result.difference.push_back(difference);
+        if (options.errors) {
+            const double weight = size * evaluate.squared_slope(face);
+            result.gain.push_back(weight * (options.errors->flat[t] - options.errors->gouraud[t]));
+            result.facet_error += weight * options.errors->flat[t];
+        } else {
+            result.gain.push_back(difference * share_gained(face));
+            result.facet_error += difference;
+        }
     }
     return result;
 }
@@ -219,10 +251,10 @@ std::vector<double> difference_left(std::span<const double> difference, std::spa
 }
 
 std::uint64_t worth_gouraud(const Importance& importance) {
-    const double sum = std::accumulate(importance.difference.begin(), importance.difference.end(), 0.0);
-    const double least = least_gain_in_mean_differences * sum / static_cast<double>(importance.difference.size());
-    return static_cast<std::uint64_t>(
-        std::count_if(importance.gain.begin(), importance.gain.end(), [&](double gain) { return gain > least; }));
+    const double mean = importance.facet_error / static_cast<double>(importance.gain.size());
+    return static_cast<std::uint64_t>(std::count_if(importance.gain.begin(), importance.gain.end(), [&](double gain) {
+        return gain > least_gain_in_mean_errors * mean;
+    }));
 }
 
 }  // namespace lodestream::shading

@@ -67,12 +67,14 @@ std::uint64_t wanted_gouraud(const SplitRequest& request, std::uint64_t triangle
 }  // namespace
 
 Result<EncodedSplit> encode_split(const mesh::Model& model, const mesh::Mesh& level, const SplitRequest& request,
-                                  const codec::EncodeOptions& options, const Extras& extras) {
-    const shading::Importance importance =
-        shading::importance(level, model.materials, {.view = request.view, .origin = model.origin});
-    const Job job{model, level, options, extras, importance.operations.criterion()};
+                                  const codec::EncodeOptions& options, const FinerLevel& finer, const Extras& extras) {
     const std::size_t triangles = level.triangles.size();
     const std::uint64_t gouraud = wanted_gouraud(request, triangles);
+    std::optional<shading::NormalErrors> errors;
+    if (gouraud > 0 && gouraud < triangles) errors = shading::normal_errors(level, shading::ReferenceSurface(finer()));
+    const shading::Importance importance = shading::importance(
+        level, model.materials, {.view = request.view, .origin = model.origin, .errors = errors ? &*errors : nullptr});
+    const Job job{model, level, options, extras, importance.operations.criterion()};
     if (gouraud == 0) return encode_with(job, std::vector<std::uint8_t>(triangles, 0));
 
     Result<EncodedSplit> all_gouraud = encode_with(job, std::vector<std::uint8_t>(triangles, 1));

@@ -33,12 +33,16 @@ struct EncodedSplit {
 // The JSON that a level carries in its extras, from the split's counts and mode (its `encoded` is still empty then).
 using Extras = std::function<std::string(const EncodedSplit&)>;
 
+// A level of several times the triangles, of the same surface: what the choice is measured against. Called once, and
+// only where there is a choice.
+using FinerLevel = std::function<mesh::Mesh()>;
+
 // `model` gives materials, images and origin. Triangles are judged by common/shading/importance.h in the request's
-// view, whatever the mode, as Table 3 counts the criterion in all of its rows. Tries ever fewer and larger regions
-// until the hybrid level is not larger than the all-Gouraud one, and sends that one if none is, or if a plain level's
-// cheapest border is too dear. A lean level carries no
-// extras, which its client has from the plan, and is a plain one where that is smaller.
+// view, whatever the mode, as Table 3 counts the criterion in all of its rows; a hybrid level's against `finer`. Tries
+// ever fewer and larger regions until the hybrid level is not larger than the all-Gouraud one, and sends that one if
+// none is, or if a plain level's cheapest border is too dear. A lean level carries no extras, which its client has from
+// the plan, and is a plain one where that is smaller.
 Result<EncodedSplit> encode_split(const mesh::Model& model, const mesh::Mesh& level, const SplitRequest& request,
-                                  const codec::EncodeOptions& options, const Extras& extras);
+                                  const codec::EncodeOptions& options, const FinerLevel& finer, const Extras& extras);
 
 }  // namespace lodestream::planner

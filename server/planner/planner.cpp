@@ -18,6 +18,8 @@ namespace lodestream::planner {
 
 namespace {
 
+// Of the level that a hybrid split is chosen against. Four times finer, its normals are half as far off.
+constexpr std::uint64_t reference_triangles_per_triangle = 4;
 // Times that a level over the network's bytes is cut again with the size it turned out to have.
 constexpr int max_network_corrections = 3;
 constexpr double network_margin = 1.01;
@@ -231,8 +233,10 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
     const Stopwatch cutting;
     const bake::ShellView* shell = wanted.shell;
     const bake::BakedView& baked = shell ? shell->baked : loaded.baked;
-    mesh::Mesh level =
-        shell ? bake::cut_shell(*shell, wanted.triangles) : simplify::cut(baked.history, wanted.triangles);
+    const auto cut = [&](std::uint64_t triangles) {
+        return shell ? bake::cut_shell(*shell, triangles) : simplify::cut(baked.history, triangles);
+    };
+    mesh::Mesh level = cut(wanted.triangles);
     const metric::SurfaceError error = bake::error_of(baked.errors, level.triangles.size());
     response.level.triangles = level.triangles.size();
     response.level.rms_error = error.rms;
@@ -262,7 +266,8 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
         fill_shading(figures, attempt);
         return proto::content_extras(asset.id, figures);
     };
-    Result<EncodedSplit> encoded = encode_split(painted ? *painted : baked.model, level, split, options, extras);
+    const FinerLevel finer = [&] { return cut(reference_triangles_per_triangle * level.triangles.size()); };
+    Result<EncodedSplit> encoded = encode_split(painted ? *painted : baked.model, level, split, options, finer, extras);
     if (!encoded) return encoded.error();
     response.timing_ms.encode = encoding.ms();
 

@@ -74,7 +74,7 @@ inline AssetResult asset_result(const std::string& name) {
     for (const auto& [share, error] : {std::pair{0.25, 2.0}, std::pair{0.875, 1.5}, std::pair{1.0, 3.0}}) {
         ShadingSample sample;
         sample.series = "equal operations";
-        sample.criterion = "importance";
+        sample.criterion = "measured importance";
         sample.share_of_price = share;
         sample.is_chosen = share == 0.875;
         sample.operations = 400;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -171,14 +172,49 @@ TEST(Importance, BesideACreaseTheFaceIsNearerThanTheBlend) {
     EXPECT_EQ(worth_gouraud(importance), 0u);
 }
 
-TEST(WorthGouraud, TakesWhatGainsThreeMeanDifferences) {
+TEST(WorthGouraud, TakesWhatGainsNineMeanErrors) {
     Importance importance;
-    importance.difference = {1.0, 1.0, 1.0, 5.0, 12.0};
-    importance.gain = {1.0, 1.0, -1.0, 5.0, 12.1};
+    importance.gain = {1.0, 1.0, -1.0, 5.0, 36.1};
+    importance.facet_error = 20.0;
     EXPECT_EQ(worth_gouraud(importance), 1u);
-    importance.gain[3] = 12.01;
+    importance.gain[3] = 36.01;
     EXPECT_EQ(worth_gouraud(importance), 2u);
     EXPECT_EQ(worth_gouraud({}), 0u);
+}
+
+// A coarse sphere beside one of several times the triangles, and one whose normals all point up.
+TEST(MeasuredImportance, GainsWhereTheBlendIsNearerAndLosesWhereTheFaceIs) {
+    const ReferenceSurface fine(testing::sphere(64));
+    mesh::Mesh mesh = testing::sphere(12);
+    NormalErrors errors = normal_errors(mesh, fine);
+    const Importance round = importance(mesh, white, {.errors = &errors});
+    double gain = 0.0;
+    for (const double g : round.gain) gain += g;
+    EXPECT_GT(gain, 0.95 * round.facet_error);
+    for (const double g : round.gain) EXPECT_GE(g, 0.0);
+
+    mesh.normals.assign(mesh.normals.size(), Vec3f(0, 1, 0));
+    errors = normal_errors(mesh, fine);
+    const Importance wrong = importance(mesh, white, {.errors = &errors});
+    EXPECT_LT(*std::min_element(wrong.gain.begin(), wrong.gain.end()), 0.0);
+    EXPECT_LT(*std::max_element(wrong.gain.begin(), wrong.gain.end()),
+              *std::max_element(round.gain.begin(), round.gain.end()));
+}
+
+TEST(MeasuredImportance, DarkTrianglesCountLessAndBlackOnesForTheirHighlight) {
+    const mesh::Mesh mesh = testing::sphere(12);
+    const NormalErrors errors = normal_errors(mesh, ReferenceSurface(testing::sphere(48)));
+    std::vector<mesh::Material> dark(1), black(1);
+    dark[0].base_color = glm::vec4(0.05f, 0.05f, 0.05f, 1.0f);
+    black[0].base_color = glm::vec4(0.0f, 0.0f, 0.0f, 1.0f);
+    const auto error = [&](const std::vector<mesh::Material>& materials, const Phong& phong) {
+        return importance(mesh, materials, {.phong = phong, .errors = &errors}).facet_error;
+    };
+    Phong dull;
+    dull.specular = 0.0;
+    EXPECT_GT(error(white, dull), error(dark, dull));
+    EXPECT_EQ(error(black, dull), 0.0);
+    EXPECT_GT(error(black, Phong{}), 0.0);
 }
 
 TEST(Importance, ZeroNormalsAreTheWorstThatCanHappenAndFinite) {
