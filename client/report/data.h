@@ -106,7 +106,7 @@ struct CountedOperations {
 
 // One drawn split of one level against the full model, same view, lights and pixels.
 struct ShadingSample {
-    std::string series;     // "lights", "criteria", "equal operations", "equal bytes"
+    std::string series;     // "lights", "fine level", "criteria", "equal operations", "equal bytes"
     std::string criterion;  // "paper", "measured importance" (against the full model), "importance" (by the level's
                             // own normals), "importance from anywhere"; empty: nothing was chosen
     std::uint32_t lights = 1;
@@ -115,8 +115,9 @@ struct ShadingSample {
     double share_of_price = 0.0;  // triangles over what all flat affords; of "equal operations"
     bool is_chosen = false;       // where worth_gouraud() divides the price; of "equal operations"
     std::uint64_t triangles = 0;
-    std::uint64_t operations = 0;  // f + 4g
-    ModeResult result;             // times and bytes that the series does not measure are 0
+    double triangles_per_pixel = 0.0;  // that it or the full model covers
+    std::uint64_t operations = 0;      // f + 4g
+    ModeResult result;                 // times and bytes that the series does not measure are 0
 };
 
 // What a scene shows within a budget in the view of the first device class: the tiles that target-frame-rate mode

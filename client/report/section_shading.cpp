@@ -2,7 +2,12 @@
 #include "client/report/shading_study.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 
+#include "client/report/machine.h"
+#include "client/report/table.h"
 #include "client/report/text.h"
 
 namespace lodestream::report {
@@ -245,48 +250,81 @@ std::string equal_cost_sentence(const std::vector<EqualCost>& rows) {
            of + ".</p>";
 }
 
-// The frame times of the pure modes under one light rig and display, summed over the models.
-struct SettingTimes {
-    std::uint32_t lights = 0;
-    budget::Display display;
-    double gouraud_ms = 0.0, flat_ms = 0.0;
-};
+// Borders between the map's columns, in triangles a covered pixel.
+constexpr double map_borders[] = {0.02, 0.1, 0.5};
+constexpr std::size_t map_columns = std::size(map_borders) + 1;
 
-std::vector<SettingTimes> setting_times(const ReportData& data) {
-    std::vector<SettingTimes> settings;
-    for (const AssetResult& asset : data.assets)
-        for (const ShadingSample* sample : samples_of(asset, "lights", "importance from anywhere")) {
-            const auto is_its = [&](const SettingTimes& s) {
-                return s.lights == sample->lights && s.display.width == sample->display.width &&
-                       s.display.height == sample->display.height;
-            };
-            auto setting = std::find_if(settings.begin(), settings.end(), is_its);
-            if (setting == settings.end())
-                setting = settings.insert(settings.end(), {sample->lights, sample->display, 0.0, 0.0});
-            if (sample->distance == 0.0) setting->gouraud_ms += sample->result.frame_ms;
-            if (sample->distance == 1.0) setting->flat_ms += sample->result.frame_ms;
-        }
-    return settings;
+std::string map_heading(std::size_t column) {
+    if (column == 0) return "below " + format_number(map_borders[0]);
+    const std::string from = format_number(map_borders[column - 1]);
+    return column + 1 < map_columns ? from + " to " + format_number(map_borders[column]) : "from " + from;
 }
 
-// Where hybrid pays on this renderer in time: by the rule that plans follow.
-std::string time_map(const ReportData& data) {
-    const std::vector<SettingTimes> settings = setting_times(data);
-    std::string rows;
-    for (const SettingTimes& s : settings) {
-        if (!(s.gouraud_ms > 0.0) || !(s.flat_ms > 0.0)) continue;
-        const bool pays = s.gouraud_ms > budget::least_flat_gain * s.flat_ms;
-        rows += "<li>" + std::to_string(s.lights) + (s.lights == 1 ? " light, " : " lights, ") +
-                display_text(s.display) + ": flat takes " + format_number(100.0 * s.flat_ms / s.gouraud_ms) +
-                " % of Gouraud’s frame time: " +
-                (pays ? "hybrid can pay" : "<strong>all Gouraud</strong> is nearer for the same time") + "</li>";
+// What flat takes of Gouraud's frame time, the geometric mean over models and displays; a row for each number of
+// lights.
+class TimeMap {
+  public:
+    explicit TimeMap(const ReportData& data) {
+        for (const AssetResult& asset : data.assets)
+            for (const char* series : {"lights", "fine level"}) {
+                const ShadingSample* gouraud = nullptr;  // the last one: of a setting it comes first
+                for (const ShadingSample* sample : samples_of(asset, series, "importance from anywhere")) {
+                    if (sample->distance == 0.0) gouraud = sample;
+                    if (sample->distance == 1.0 && gouraud) add(*gouraud, *sample);
+                }
+            }
     }
-    if (rows.empty()) return "";
-    return "<p>Where hybrid pays in measured time on this renderer, the same triangles all flat against all Gouraud "
-           "(vertices are shared, so Gouraud lights about half as many points as there are faces, and flat one a "
-           "face). Plans follow this map where a device tells both rates: within a tenth they send all "
-           "Gouraud.</p><ul>" +
-           rows + "</ul>";
+
+    bool empty() const { return rows_.empty(); }
+
+    Table table() const {
+        Table table;
+        table.columns.push_back({"lights", "lights"});
+        for (std::size_t column = 0; column < map_columns; ++column)
+            table.columns.push_back({"column_" + std::to_string(column), map_heading(column)});
+        for (const auto& [lights, row] : rows_) {
+            std::vector<Cell> cells{std::uint64_t{lights}};
+            for (const Mean& mean : row) cells.emplace_back(text(mean));
+            table.rows.push_back(std::move(cells));
+        }
+        return table;
+    }
+
+  private:
+    struct Mean {
+        double logarithms = 0.0, count = 0.0;
+        double ratio() const { return std::exp(logarithms / count); }
+    };
+
+    // By the rule that plans follow.
+    static std::string text(const Mean& mean) {
+        if (mean.count == 0.0) return "–";
+        const bool pays = budget::least_flat_gain * mean.ratio() < 1.0;
+        return format_number(100.0 * mean.ratio()) + " %: " + (pays ? "hybrid can pay" : "all Gouraud");
+    }
+
+    void add(const ShadingSample& gouraud, const ShadingSample& flat) {
+        if (!(gouraud.result.frame_ms > 0.0) || !(flat.result.frame_ms > 0.0)) return;
+        const auto column = std::upper_bound(std::begin(map_borders), std::end(map_borders), flat.triangles_per_pixel);
+        Mean& mean = rows_[flat.lights][static_cast<std::size_t>(column - std::begin(map_borders))];
+        mean.logarithms += std::log(flat.result.frame_ms / gouraud.result.frame_ms);
+        ++mean.count;
+    }
+
+    std::map<std::uint32_t, std::array<Mean, map_columns>> rows_;
+};
+
+std::string time_map_html(const ReportData& data) {
+    const TimeMap map(data);
+    if (map.empty()) return "";
+    return "<p>Where hybrid pays in measured time: the same triangles all flat against all Gouraud, by lights and by "
+           "triangles a pixel of the object. Vertices are shared, so Gouraud lights about half as many points as there "
+           "are faces, and flat one a face. Plans follow this map where a device tells both rates: within a tenth they "
+           "send all Gouraud, which is nearer for the same time.</p>" +
+           to_html(map.table(),
+                   "Frame time of all flat in % of all Gouraud’s, and what pays. Columns: triangles a "
+                   "pixel.<br>" +
+                       source_line(data.provenance));
 }
 
 }  // namespace
@@ -303,7 +341,7 @@ Section shading_section(const ReportData& data) {
         between_sentence(device_rows(data)) +
         "</p><p>Each point of the first plots is one device class. The plots over d hold the triangles and the "
         "drawn view fixed and change only the split; d = 0 is all Gouraud, d = 1 all flat.</p>" +
-        equal_cost_sentence(costs) + time_map(data) +
+        equal_cost_sentence(costs) + time_map_html(data) +
         "<p>The table: the price and the errors that it buys; flat against Gouraud at the same bytes; and the paper’s "
         "Table 3 counted on the full model, where “as printed” is the row that adds up to 4,600 polygons.</p>";
     if (!costs.empty()) section.plots.push_back(price_plot(data));
@@ -337,6 +375,10 @@ Section shading_section(const ReportData& data) {
          {"shading", "shading", [](const auto& r) { return proto::shading_mode_name(r.sample.result.mode); }},
          {"distance", "d", [](const auto& r) { return r.sample.distance; }},
          {"triangles", "triangles", [](const auto& r) { return r.sample.triangles; }},
+         {"triangles_per_pixel", "triangles a pixel",
+          [](const auto& r) {
+              return r.sample.triangles_per_pixel > 0.0 ? Cell(r.sample.triangles_per_pixel) : Cell();
+          }},
          {"gouraud", "Gouraud", [](const auto& r) { return r.sample.result.gouraud; }},
          {"flat", "flat", [](const auto& r) { return r.sample.result.flat; }},
          {"operations", "operations", [](const auto& r) { return r.sample.operations; }},

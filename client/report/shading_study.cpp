@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "client/render/movable_level.h"
 #include "common/base/directions.h"
@@ -14,6 +15,7 @@ namespace {
 constexpr double all_gouraud_share = 0.25;
 constexpr double shares_of_price[] = {0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
 constexpr double flat_shares[] = {0.0, 0.25, 0.5, 0.75, 1.0};
+constexpr double pure_shares[] = {0.0, 1.0};
 constexpr double paper_gouraud_share = 179.0 / 6400.0;  // of the phone's teapot
 constexpr std::uint64_t printed_flat = 179, printed_gouraud = 4421, printed_triangles = 6400;
 constexpr double unlimited_cpu_mhz = 1e9;
@@ -101,7 +103,8 @@ class Study {
         Result<sdk::Loaded> level = load(triangles, proto::ShadingMode::gouraud);
         if (!level) return level.error();
         if (Status done = criteria(level->content); !done) return done;
-        return lights(level->content);
+        if (Status done = splits("lights", level->content, flat_shares); !done) return done;
+        return options_.quick ? Status(Nothing{}) : fine_level();
     }
 
   private:
@@ -132,6 +135,8 @@ class Study {
         sample.lights = setting.lights;
         sample.display = setting.display;
         sample.triangles = sample.result.gouraud + sample.result.flat;
+        sample.triangles_per_pixel = static_cast<double>(sample.triangles) /
+                                     static_cast<double>(std::max<std::uint64_t>(difference->compared_pixels, 1));
         sample.operations = budget::with_shading(0, sample.result.gouraud, sample.result.flat).total;
         sample.result.frame_ms = frames > 1 ? frame->frame_ms : 0.0;
         sample.result.image = {100.0 * difference->rms / 255.0, difference->silhouette_percent};
@@ -230,18 +235,27 @@ class Study {
         return Nothing{};
     }
 
-    // The border moves over one upload.
-    Status lights(const codec::Decoded& content) {
+    // The pure modes of a level with more triangles a pixel, unless the model has no more.
+    Status fine_level() {
+        const std::uint64_t triangles = std::min(max_fine_triangles, asset_.full_triangles);
+        if (triangles <= max_study_triangles) return Nothing{};
+        Result<sdk::Loaded> level = load(triangles, proto::ShadingMode::gouraud);
+        if (!level) return level.error();
+        return splits("fine level", level->content, pure_shares);
+    }
+
+    // The border moves over one upload, in every setting.
+    Status splits(const char* series, const codec::Decoded& content, std::span<const double> shares) {
         Result<render::MovableLevel> level = render::movable_level(content);
         if (!level) return level.error();
         Result<render::UploadStatistics> uploaded = renderer_.upload(*level);
         if (!uploaded) return uploaded.error();
         for (const Setting& setting : settings_)
-            for (const double flat : flat_shares) {
+            for (const double flat : shares) {
                 const std::uint64_t gouraud = share_of(level->triangles(), 1.0 - flat);
                 renderer_.move_split(gouraud);
                 ShadingSample sample =
-                    sample_of("lights", name_of(Criterion::from_anywhere), level->triangles(), gouraud);
+                    sample_of(series, name_of(Criterion::from_anywhere), level->triangles(), gouraud);
                 sample.distance = flat;
                 sample.result.gpu_bytes = uploaded->geometry_bytes + uploaded->texture_bytes;
                 if (Status added = add(std::move(sample), setting, options_.frames); !added) return added;
@@ -309,7 +323,7 @@ Result<std::vector<Setting>> study_settings(render::Renderer& renderer, const sh
     for (const std::uint32_t lights : {1u, 4u, 16u, 64u}) settings.push_back({lights, usual, {}});
     if (!quick)
         for (const budget::Display display : {budget::Display{320, 240}, budget::Display{1280, 1024}})
-            settings.push_back({1, display, {}});
+            for (const std::uint32_t lights : {1u, 4u, 16u, 64u}) settings.push_back({lights, display, {}});
     for (Setting& setting : settings) {
         render::DrawOptions draw;
         draw.width = setting.display.width;

@@ -19,6 +19,9 @@ inline constexpr std::uint64_t max_study_operations = 24'000;
 // Of the level that is drawn under lights and split by the criteria: Table 2's upper figure at 800x600.
 inline constexpr std::uint64_t max_study_triangles = 8000;
 
+// Of the level that the map of frame times shows beside it: triangles of a pixel and less.
+inline constexpr std::uint64_t max_fine_triangles = 100'000;
+
 // The triangles that a price buys: as many Gouraud as are left over for.
 struct Purchase {
     std::uint64_t triangles = 0;

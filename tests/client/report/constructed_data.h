@@ -87,6 +87,7 @@ inline AssetResult asset_result(const std::string& name) {
         sample.criterion = "importance from anywhere";
         sample.lights = 4;
         sample.display = {800, 600};
+        sample.triangles_per_pixel = 0.5;
         sample.distance = d;
         sample.result = mode_result(proto::ShadingMode::hybrid, 0, d);
         sample.result.frame_ms = frame_ms;
