@@ -13,6 +13,8 @@
 #include <chrono>
 #include <optional>
 
+#include "proto/gzip.h"
+
 namespace lodestream::sdk {
 namespace {
 
@@ -102,6 +104,7 @@ struct HttpConnection::Impl {
         out.set(http::field::host, authority(server));
         out.set(http::field::user_agent, "lodestream-client");
         out.set(http::field::accept, "*/*");
+        out.set(http::field::accept_encoding, "gzip");
         if (!request.token.empty()) out.set(http::field::authorization, "Bearer " + request.token);
         if (!request.content_type.empty()) {
             out.set(http::field::content_type, request.content_type);
@@ -147,15 +150,19 @@ struct HttpConnection::Impl {
         run([&](auto done) { timer.async_wait(done); });
     }
 
+    std::string where(const HttpRequest& request) const {
+        return request.method + " " + request.target + " at " + authority(server) + ": ";
+    }
+
     Error describe(const HttpRequest& request, error_code error) const {
-        const std::string where = request.method + " " + request.target + " at " + authority(server) + ": ";
-        if (is_cancelled) return fail(ErrorCode::unavailable, where + "cancelled");
+        if (is_cancelled) return fail(ErrorCode::unavailable, where(request) + "cancelled");
         if (error == http::error::body_limit)
-            return fail(ErrorCode::limit_exceeded, where + "the response is larger than expected");
+            return fail(ErrorCode::limit_exceeded, where(request) + "the response is larger than expected");
         if (error == http::error::end_of_stream || error == http::error::partial_message)
-            return fail(ErrorCode::io, where + "the server closed the connection before the response was complete");
-        if (error == beast::error::timeout) return fail(ErrorCode::io, where + "timed out");
-        return fail(ErrorCode::io, where + error.message());
+            return fail(ErrorCode::io,
+                        where(request) + "the server closed the connection before the response was complete");
+        if (error == beast::error::timeout) return fail(ErrorCode::io, where(request) + "timed out");
+        return fail(ErrorCode::io, where(request) + error.message());
     }
 
     Result<HttpResponse> exchange(const HttpRequest& request, std::uint64_t max_body_bytes) {
@@ -180,6 +187,11 @@ struct HttpConnection::Impl {
             }
             if (!parser.keep_alive()) close();
             auto response = parser.release();
+            if (beast::iequals(response[http::field::content_encoding], "gzip")) {
+                Result<std::string> body = proto::gunzip(response.body(), max_body_bytes);
+                if (!body) return fail(body.error().code, where(request) + body.error().message);
+                response.body() = *std::move(body);
+            }
             return HttpResponse{static_cast<int>(response.result_int()),
                                 std::string(response[http::field::content_type]), std::move(response.body())};
         }

@@ -30,8 +30,9 @@ class HttpConnection {
     explicit HttpConnection(ServerUrl server, std::optional<Link> link = {});
     ~HttpConnection();
 
-    // Errors: unavailable (no connection, cancelled), limit_exceeded (body over max_body_bytes), io (everything else
-    // that goes wrong on the way). Any complete response is a success, whatever its status.
+    // Bodies may come as gzip. Errors: unavailable (no connection, cancelled), limit_exceeded (body over
+    // max_body_bytes, as it came or unpacked), invalid_input (no sound gzip), io (everything else that goes wrong on
+    // the way). Any complete response is a success, whatever its status.
     Result<HttpResponse> exchange(const HttpRequest& request, std::uint64_t max_body_bytes);
 
     void cancel();  // from any thread; for good

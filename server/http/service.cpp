@@ -13,6 +13,7 @@
 #include "server/bake/tile_tree.h"
 #include "server/http/byte_range.h"
 #include "server/http/metrics.h"
+#include "server/http/packing.h"
 #include "server/http/page.h"
 
 namespace lodestream::http {
@@ -294,6 +295,7 @@ Response Service::Impl::answer(Request& request, const Match& found) {
 
 void Service::Impl::finish(Response& response, const Request& request, const Match& found, double seconds) {
     response.headers["x-content-type-options"] = "nosniff";
+    pack_body(response, request);
     const bool open = request.method == "OPTIONS" || !found.route || found.route->kind != Kind::change;
     if (open) {
         response.headers["access-control-allow-origin"] = "*";
@@ -391,12 +393,15 @@ Response Service::Impl::create_plan(Request& request, const std::string&) {
 Response Service::Impl::content(Request& request, const std::string& hash) {
     const auto file = store.file(hash, "glb");
     if (!file) return respond(file.error());
-    const std::string etag = '"' + file->hash + '"';
+    const std::string etag = '"' + file->hash + '"', packed_etag = '"' + file->hash + "-gzip\"";
+    const bool packs = takes_gzip(request) && file->bytes <= most_packed_file_bytes;
     Response response;
-    response.headers["etag"] = etag;
+    response.headers["etag"] = packs ? packed_etag : etag;
     response.headers["cache-control"] = immutable;
     response.headers["accept-ranges"] = "bytes";
-    if (const std::string* known = header(request, "if-none-match"); known && names_etag(*known, etag)) {
+    response.headers["vary"] = "Accept-Encoding";
+    if (const std::string* known = header(request, "if-none-match");
+        known && (names_etag(*known, etag) || names_etag(*known, packed_etag))) {
         response.status = 304;
         return response;
     }
@@ -412,6 +417,13 @@ Response Service::Impl::content(Request& request, const std::string& hash) {
         return response;
     }
     response.headers["content-type"] = glb_type;
+    if (packs) {
+        std::optional<std::string> packed = packed_glb(*file);
+        if (!packed) return respond(fail(ErrorCode::not_found, "this content has just been removed"));
+        response.headers["content-encoding"] = "gzip";
+        response.body = *std::move(packed);
+        return response;
+    }
     response.file = *file;
     response.file_length = file->bytes;
     if (range.kind == RangeAnswer::Kind::part) {

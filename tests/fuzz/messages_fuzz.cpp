@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "proto/gzip.h"
 #include "proto/messages.h"
 #include "proto/tileset.h"
 
@@ -37,5 +38,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     (void)proto::parse_device_file(text);
     (void)proto::parse_assets(text);
     (void)proto::parse_tileset(text);
+    (void)proto::accepts_gzip(text);
+    (void)proto::gunzip(text, 1 << 20);
     return 0;
 }

@@ -150,6 +150,7 @@ const std::vector<Ownership>& owners() {
         {"draco/", {"common/codec"}},
         {"nlohmann/", {"proto", "common/codec"}},
         {"yaml-cpp/", {"proto"}},
+        {"zlib", {"proto"}},
         {"tiny_gltf", {"server/importer"}},
         {"tiny_obj_loader", {"server/importer"}},
         {"meshoptimizer", {"server/importer", "client/render"}},

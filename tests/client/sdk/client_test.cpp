@@ -7,6 +7,7 @@
 #include <limits>
 #include <thread>
 
+#include "proto/gzip.h"
 #include "tests/client/sdk/canned_server.h"
 #include "tests/support/meshes.h"
 
@@ -151,6 +152,25 @@ TEST(Client, ListsAssetsOverOneKeptConnection) {
     }
     EXPECT_EQ(server.connections(), 1);
     EXPECT_THAT(server.requests().front(), HasSubstr("GET /v1/assets HTTP/1.1\r\n"));
+}
+
+TEST(Client, TakesBodiesAsGzipWithinTheirLimit) {
+    const auto reply = [](std::string body) {
+        return lodestream::testing::CannedReply{
+            http_reply(200, "application/json", body, "Content-Encoding: gzip\r\n")};
+    };
+    const std::string sound = proto::gzip(proto::to_json(std::vector<proto::Asset>{}));
+    CannedServer server({reply(sound), reply(sound.substr(0, sound.size() - 1)),
+                         reply(proto::gzip(std::string(std::size_t{200} << 20, ' ')))});
+    Client client = open(server);
+    EXPECT_TRUE(client.assets());
+    const auto cut_off = client.assets();
+    ASSERT_FALSE(cut_off);
+    EXPECT_EQ(cut_off.error().code, ErrorCode::invalid_input);
+    const auto bomb = client.assets();
+    ASSERT_FALSE(bomb);
+    EXPECT_EQ(bomb.error().code, ErrorCode::limit_exceeded);
+    EXPECT_THAT(server.requests()[0], HasSubstr("Accept-Encoding: gzip"));
 }
 
 TEST(Client, ConnectsAnewWhereTheServerClosedTheKeptConnection) {

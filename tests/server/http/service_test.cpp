@@ -7,6 +7,7 @@
 #include <future>
 #include <set>
 
+#include "proto/gzip.h"
 #include "tests/server/http/harness.h"
 
 namespace lodestream::http {
@@ -131,6 +132,37 @@ TEST_F(ReadyService, ContentIsNotSentAgainToWhoHasIt) {
         EXPECT_TRUE(response.headers.contains("cache-control"));
     }
     EXPECT_EQ(get(url, {{"if-none-match", "\"other\""}}).status, 200);
+}
+
+TEST_F(ReadyService, TextsArePackedForWhoTakesIt) {
+    const Response whole = get("/openapi.json");
+    EXPECT_FALSE(whole.headers.contains("content-encoding"));
+    EXPECT_EQ(whole.headers.at("vary"), "Accept-Encoding");
+    const Response packed = get("/openapi.json", {{"accept-encoding", "br, gzip"}});
+    EXPECT_EQ(packed.headers.at("content-encoding"), "gzip");
+    EXPECT_LT(packed.body.size(), whole.body.size() / 3);
+    EXPECT_EQ(*proto::gunzip(packed.body, whole.body.size()), whole.body);
+    EXPECT_FALSE(get("/livez", {{"accept-encoding", "gzip"}}).headers.contains("content-encoding"));
+}
+
+TEST_F(ReadyService, ContentIsPackedWholeUnderATagOfItsOwn) {
+    const std::string url = content_url();
+    const Response plain = get(url, {{"accept-encoding", "gzip;q=0"}});
+    ASSERT_TRUE(plain.file);
+    const Response packed = get(url, {{"accept-encoding", "gzip"}});
+    EXPECT_EQ(packed.headers.at("content-encoding"), "gzip");
+    EXPECT_EQ(packed.headers.at("vary"), plain.headers.at("vary"));
+    EXPECT_NE(packed.headers.at("etag"), plain.headers.at("etag"));
+    EXPECT_LT(packed.body.size(), plain.file_length);
+    std::ifstream file(plain.file->path, std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(file), {});
+    EXPECT_EQ(*proto::gunzip(packed.body, bytes.size()), bytes);
+    const std::string tag = packed.headers.at("etag");
+    EXPECT_EQ(get(url, {{"accept-encoding", "gzip"}, {"if-none-match", tag}}).status, 304);
+    const Response range = get(url, {{"accept-encoding", "gzip"}, {"range", "bytes=0-3"}});
+    EXPECT_EQ(range.status, 206);
+    EXPECT_FALSE(range.headers.contains("content-encoding"));
+    EXPECT_EQ(get(url, {{"range", "bytes=0-3"}, {"if-range", tag}}).status, 200);
 }
 
 TEST_F(ReadyService, ContentComesInRanges) {
