@@ -127,6 +127,10 @@ Result<Part> prepare(const codec::Decoded& content, const Box& scene);
 Box world_bounds(const codec::Decoded& content);
 Box world_bounds(const codec::Points& content);
 
+// Where a point of the world is in a picture of the view: with p = m * (x, y, z, 1), p.x / p.w and p.y / p.w are pixels
+// from its top left corner, and p.w is the depth in front of the eye. pre: validate(view) succeeded
+Mat4d pixels_from_world(const shading::View& view, std::uint32_t width, std::uint32_t height);
+
 // Needs a current OpenGL ES 3 context, the same one for its whole life and at its end.
 class Renderer {
   public:

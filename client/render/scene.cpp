@@ -181,6 +181,10 @@ Mat4d look(const Vec3d& eye, const Vec3d& forward) {
     return m;
 }
 
+double tan_half_fov_y(const shading::View& view) {
+    return std::tan(radians(std::clamp(view.fov_y_deg, shading::min_fov_deg, shading::max_fov_deg)) / 2.0);
+}
+
 }  // namespace
 
 codec::Decoded drawable(const mesh::Model& model, const mesh::Mesh& level, std::span<const std::uint8_t> gouraud) {
@@ -431,12 +435,18 @@ Camera make_camera(const shading::View& view, const Vec3d& origin, const Placeme
     const double far = depth + reach;
     if (!(far > 0.0)) return camera;
     const double near = std::max(depth - reach, far * near_share_of_far);
-    const double fov_deg = std::clamp(view.fov_y_deg, shading::min_fov_deg, shading::max_fov_deg);
     camera.eye = Vec3f(eye);
-    camera.clip_from_scene =
-        Mat4f(perspective(std::tan(radians(fov_deg) / 2.0), aspect, near, far) * look(eye, camera.forward));
+    camera.clip_from_scene = Mat4f(perspective(tan_half_fov_y(view), aspect, near, far) * look(eye, camera.forward));
     camera.sees_scene = true;
     return camera;
+}
+
+Mat4d pixels_from_world(const shading::View& view, std::uint32_t width, std::uint32_t height) {
+    const double px_per_unit = 0.5 * height / tan_half_fov_y(view);  // at depth 1
+    const Mat4d axes = transpose(look(view.eye, direction(view.target * 0.25 - view.eye * 0.25)));
+    const Vec4d depth = -axes[2];
+    return transpose(Mat4d(px_per_unit * axes[0] + 0.5 * width * depth, 0.5 * height * depth - px_per_unit * axes[1],
+                           Vec4d(0.0), depth));
 }
 
 bool may_see(const Camera& camera, const Sphere& sphere) {

@@ -32,34 +32,17 @@ double eye_distance(const CrowdModel& model, const Vec3d& offset, const Vec3d& e
     return glm::length(model.bounds.center() + offset - eye) / model.bounds.radius();
 }
 
-Result<std::vector<bool>> drawn_silhouette(render::Renderer& renderer, const shading::View& view,
-                                           render::DrawOptions options, std::vector<render::Instance> instances) {
-    options.instances = std::move(instances);
-    const Result<render::Frame> frame = renderer.draw(view, options);
-    if (!frame) return frame.error();
-    return silhouette(frame->image);
-}
-
 // Of the same instances; a crowd's is what any of its parts covers.
 struct Silhouettes {
-    std::vector<bool> full, points;
+    Mask full, points;
 
     void join(const Silhouettes& part) {
-        full.resize(part.full.size());
-        points.resize(part.points.size());
-        for (std::size_t i = 0; i < full.size(); ++i) {
-            if (part.full[i]) full[i] = true;
-            if (part.points[i]) points[i] = true;
-        }
+        full.join(part.full);
+        points.join(part.points);
     }
     SilhouetteScore score() const {
-        SilhouetteScore score;
-        for (std::size_t i = 0; i < full.size(); ++i) {
-            score.both += full[i] && points[i];
-            score.full_alone += full[i] && !points[i];
-            score.points_alone += !full[i] && points[i];
-        }
-        return score;
+        const std::uint64_t both = full.count_shared(points);
+        return {both, points.count() - both, full.count() - both};
     }
 };
 
@@ -73,7 +56,8 @@ class Scorer {
         std::array<std::vector<render::Instance>, crowd_levels> parts;
         for (const render::Instance& instance : crowd_of(model_, sides, options_.spacing, view.eye))
             parts[level_at(eye_distance(model_, instance.offset, view.eye))].push_back(instance);
-        Silhouettes crowd;
+        const Mask nothing(options_.canvas.width, options_.canvas.height);
+        Silhouettes crowd{nothing, nothing};
         for (std::size_t level = 0; level < crowd_levels; ++level) {
             if (parts[level].empty()) continue;
             score_.instances[level] += parts[level].size();
@@ -89,11 +73,13 @@ class Scorer {
 
   private:
     Result<Silhouettes> draw(const shading::View& view, const std::vector<render::Instance>& instances) {
-        auto full = drawn_silhouette(model_.full, view, drawing_, instances);
-        if (!full) return full.error();
-        auto points = drawn_silhouette(model_.points, view, drawing_, instances);
+        Mask full(options_.canvas.width, options_.canvas.height);
+        const Mat4d pixels = render::pixels_from_world(view, full.width(), full.height());
+        for (const render::Instance& instance : instances) model_.full.cover(pixels, instance.offset, full);
+        drawing_.instances = instances;
+        const Result<render::Frame> points = model_.points.draw(view, drawing_);
         if (!points) return points.error();
-        return Silhouettes{*std::move(full), *std::move(points)};
+        return Silhouettes{std::move(full), silhouette(points->image)};
     }
 
     CrowdModel& model_;
@@ -134,16 +120,9 @@ std::vector<render::Instance> crowd_of(const CrowdModel& model, const std::array
     return crowd;
 }
 
-std::vector<bool> silhouette(const render::Image& image) {
-    std::vector<bool> covered(image.pixels());
-    for (std::size_t i = 0; i < covered.size(); ++i) {
-        const std::uint8_t* rgba = &image.rgba[4 * i];
-        covered[i] = rgba[0] != 255 || rgba[1] != 255 || rgba[2] != 255;
-    }
-    return covered;
-}
-
 Result<CrowdScore> score_crowd(CrowdModel& model, const CrowdOptions& options, const std::function<bool()>& going_on) {
+    const double reach = std::sqrt(3.0) * 0.5 * (options.side - 1.0) * options.spacing + 1.0;
+    if (!(reach < orbit_distances.front())) return invalid_input("the crowd reaches the camera's nearest orbit");
     Scorer scorer(model, options);
     shading::View view;
     view.target = model.bounds.center();

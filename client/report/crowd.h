@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "client/render/renderer.h"
+#include "client/report/silhouette.h"
 #include "common/budget/budget.h"
 
 namespace lodestream::report {
@@ -28,9 +29,9 @@ struct CrowdOptions {
     budget::Display canvas{1024, 1024};  // px
 };
 
-// The full model and the points that stand for it, each uploaded to its renderer.
+// The full model and the points that stand for it, uploaded to their renderer.
 struct CrowdModel {
-    render::Renderer& full;
+    const SilhouetteTree& full;
     render::Renderer& points;
     Box bounds;                                        // world
     std::array<std::uint64_t, crowd_levels> levels{};  // points, finest first
@@ -52,14 +53,12 @@ struct CrowdScore {
     std::array<std::uint64_t, crowd_levels> instances{};  // drawn, over all pictures
 };
 
-// `going_on` is asked before each picture. Errors: of drawing; unavailable (told to stop).
+// `going_on` is asked before each picture. Errors: of drawing; invalid_input (a crowd so large that it reaches the
+// nearest orbit); unavailable (told to stop).
 Result<CrowdScore> score_crowd(CrowdModel& model, const CrowdOptions& options,
                                const std::function<bool()>& going_on = {});
 
 // The instances of a cubic grid around the model's own place, each at the level of its distance from `eye`.
 std::vector<render::Instance> crowd_of(const CrowdModel& model, const std::array<std::uint32_t, 3>& sides,
                                        double spacing, const Vec3d& eye);
-// Which pixels are not white, the background; one entry a pixel.
-std::vector<bool> silhouette(const render::Image& image);
-
 }  // namespace lodestream::report

@@ -24,10 +24,10 @@ proto::PlanRequest whole(const proto::Asset& asset, proto::Primitives primitives
     return request;
 }
 
-// As many instances a side as the triangles of the full models allow.
-std::uint32_t crowd_side(std::uint64_t triangles) {
+// As many instances a side as their points allow.
+std::uint32_t crowd_side(std::uint64_t points) {
     const double instances =
-        static_cast<double>(max_crowd_triangles) / static_cast<double>(std::max<std::uint64_t>(triangles, 1));
+        static_cast<double>(max_crowd_points) / static_cast<double>(std::max<std::uint64_t>(points, 1));
     return static_cast<std::uint32_t>(std::clamp(std::floor(std::cbrt(instances)), 1.0, double{max_crowd_side}));
 }
 
@@ -35,10 +35,9 @@ PointsLevel level_result(const std::string& name, std::uint64_t points, const Si
     return {name, points, score.recall(), score.precision(), score.f_measure()};
 }
 
-Status score_levels(CrowdModel& model, const PointsStudyOptions& options, std::uint64_t full_triangles,
-                    AssetResult& asset) {
+Status score_levels(CrowdModel& model, const PointsStudyOptions& options, AssetResult& asset) {
     CrowdOptions crowd;
-    crowd.side = crowd_side(full_triangles);
+    crowd.side = crowd_side(model.levels.front());
     crowd.directions = options.directions;
     const Result<CrowdScore> score = score_crowd(model, crowd, options.going_on);
     if (!score) return score.error();
@@ -133,13 +132,14 @@ Status study_points(sdk::Client& client, render::Renderer& renderer, const Point
     if (auto uploaded = renderer.upload(full->content); !uploaded) return uploaded.error();
     if (auto uploaded = other->upload(*points->points); !uploaded) return uploaded.error();
 
-    CrowdModel model{renderer, *other, render::world_bounds(full->content), {}};
+    const SilhouetteTree silhouettes(full->content);
+    CrowdModel model{silhouettes, *other, render::world_bounds(full->content), {}};
     double count = static_cast<double>(points->plan.level.points);
     for (std::uint64_t& level : model.levels) {
         level = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(count));
         count *= level_ratio;
     }
-    if (Status scored = score_levels(model, options, full->plan.level.triangles, asset); !scored) return scored;
+    if (Status scored = score_levels(model, options, asset); !scored) return scored;
     return ChoiceStudy(client, renderer, *other, model.bounds, options, asset).run();
 }
 

@@ -13,9 +13,9 @@
 namespace lodestream::report {
 
 inline constexpr double choice_distances[] = {1.5, 3.0, 6.0, 12.0, 24.0, 48.0, 96.0};  // of the eye, radii
-inline constexpr std::uint64_t max_crowd_triangles = 8'000'000;  // of the full models in one picture: fewer instances
-inline constexpr std::uint32_t max_crowd_side = 11;              // the paper's 1,331 instances
-inline constexpr double level_ratio = 0.5;                       // of a level's points to the next finer one's
+inline constexpr std::uint64_t max_crowd_points = 16'000'000;  // were all at their finest level: else fewer instances
+inline constexpr std::uint32_t max_crowd_side = 11;            // the paper's 1,331 instances
+inline constexpr double level_ratio = 0.5;                     // of a level's points to the next finer one's
 
 struct PointsStudyOptions {
     std::vector<DeviceClass> devices;  // whose plans are compared

@@ -2,38 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <span>
 
 namespace lodestream::points {
 
 namespace {
-
-// Where the triangle crosses a row's centre line.
-struct Span {
-    double left = std::numeric_limits<double>::infinity(), right = -std::numeric_limits<double>::infinity();
-
-    void add(double x) {
-        left = std::min(left, x);
-        right = std::max(right, x);
-    }
-};
-
-Span span_at(const std::array<Vec3d, 3>& corners, double y) {
-    Span span;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3d &a = corners[k], &b = corners[(k + 1) % 3];
-        if (std::min(a.y, b.y) > y || std::max(a.y, b.y) < y) continue;
-        if (a.y == b.y) {
-            span.add(a.x);
-            span.add(b.x);
-        } else {
-            span.add(a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x));
-        }
-    }
-    return span;
-}
 
 // Hits by pixel.
 struct Layers {
@@ -155,19 +129,6 @@ void close_holes(const Layers& layers, const ViewSize& size, std::uint32_t x, st
 }
 
 }  // namespace
-
-PixelRange pixels_between(double low, double high, std::uint32_t size) {
-    const double first = std::ceil(low - 0.5), last = std::floor(high - 0.5) + 1.0;
-    const auto bounded = [&](double x) {
-        return static_cast<std::uint32_t>(std::clamp(x, 0.0, static_cast<double>(size)));
-    };
-    return {bounded(first), last > first ? bounded(last) : bounded(first)};
-}
-
-PixelRange pixels_of_row(const std::array<Vec3d, 3>& corners, double y, std::uint32_t width) {
-    const Span span = span_at(corners, y);
-    return pixels_between(span.left, span.right, width);
-}
 
 bool weights_at(const std::array<Vec3d, 3>& corners, double x, double y, Vec3d& weights) {
     constexpr double edge_on = 1e-9;  // px² of area: a depth found there would be rounding alone

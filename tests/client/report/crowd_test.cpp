@@ -17,11 +17,9 @@ struct CrowdTest : ::testing::Test {
         auto made = render::create_headless_context();
         ASSERT_TRUE(made) << made.error().message;
         context.emplace(*std::move(made));
-        for (std::optional<render::Renderer>* renderer : {&full, &points}) {
-            auto created = render::Renderer::create();
-            ASSERT_TRUE(created) << created.error().message;
-            renderer->emplace(*std::move(created));
-        }
+        auto created = render::Renderer::create();
+        ASSERT_TRUE(created) << created.error().message;
+        points.emplace(*std::move(created));
     }
 
     CrowdModel upload(std::uint64_t count, std::array<std::uint64_t, crowd_levels> levels) {
@@ -29,7 +27,7 @@ struct CrowdTest : ::testing::Test {
         model.mesh = testing::sphere(24);
         model.materials.resize(1);
         const codec::Decoded content = render::drawable(model, model.mesh);
-        EXPECT_TRUE(full->upload(content));
+        full.emplace(content);
         points::OrderedCloud ordered =
             points::order(points::resample(model.mesh, points::choose_parameters(model.mesh, count)), count);
         codec::Points cloud;
@@ -40,7 +38,8 @@ struct CrowdTest : ::testing::Test {
     }
 
     std::optional<render::GlContext> context;
-    std::optional<render::Renderer> full, points;
+    std::optional<render::Renderer> points;
+    std::optional<SilhouetteTree> full;
 };
 
 TEST_F(CrowdTest, PointsOfEveryLevelScoreAboveThePaper) {
@@ -66,6 +65,15 @@ TEST_F(CrowdTest, TooFewPointsScoreWorse) {
     const double fine_f = score_crowd(fine, options)->all.f_measure();
     fine.levels = {4, 4, 4, 4, 4};
     EXPECT_LT(score_crowd(fine, options)->all.f_measure(), fine_f - 0.05);
+}
+
+TEST_F(CrowdTest, ThatReachesTheCameraIsRefused) {
+    CrowdModel model = upload(100, {100, 100, 100, 100, 100});
+    CrowdOptions options;
+    options.side = 15;
+    const auto refused = score_crowd(model, options);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::invalid_input);
 }
 
 TEST_F(CrowdTest, MayBeStopped) {
