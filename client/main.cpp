@@ -194,6 +194,8 @@ int run(int argc, char** argv) {
                            "What `lodestream_bench_simplify --json FILE` wrote: adds the peers of simplification");
     report_app->add_option("--codecs", report.codecs,
                            "What `lodestream_bench_codec --sweep FILE` wrote: adds other codecs at equal error");
+    report_app->add_option("--points", report.points,
+                           "What `lodestream_bench_points --json FILE` wrote: adds the point-cloud paper's tests");
     report_app->add_flag("--quick", report.quick, "Fewer and smaller models, fewer frames");
     report_app->add_flag("--json", report.json, "Print report.json instead of the table");
     report_app->footer("Example:\n  lodestream-client report --out report --quick");

@@ -17,13 +17,13 @@ void read_level(const Fields& fields, MethodLevel level, std::vector<MethodLevel
     out.push_back(std::move(level));
 }
 
-void read_model(const Fields& fields, std::vector<MethodLevel>& out) {
+void read_model(const Fields& fields, MethodRun& run) {
     MethodLevel level;
     fields.require("model", level.model);
     fields.require("triangles", level.model_triangles);
     for (const Fields& method : fields.objects("methods")) {
         method.require("method", level.method);
-        for (const Fields& one : method.objects("levels")) read_level(one, level, out);
+        for (const Fields& one : method.objects("levels")) read_level(one, level, run.levels);
     }
 }
 
@@ -38,11 +38,76 @@ void read_trial(const Fields& fields, CodecTrial trial, std::vector<CodecTrial>&
     out.push_back(std::move(trial));
 }
 
-void read_model(const Fields& fields, std::vector<CodecTrial>& out) {
+void read_model(const Fields& fields, CodecRun& run) {
     CodecTrial trial;
     fields.require("model", trial.model);
     fields.require("triangles", trial.triangles);
-    for (const Fields& one : fields.objects("trials")) read_trial(one, trial, out);
+    for (const Fields& one : fields.objects("trials")) read_trial(one, trial, run.trials);
+}
+
+void read_match(const Fields& fields, SilhouetteMatch& match) {
+    fields.require("recall", match.recall);
+    fields.require("precision", match.precision);
+    fields.require("f_measure", match.f_measure);
+}
+
+void read_score(const Fields& fields, PointsScore score, PointsRun& run) {
+    fields.require("level", score.level);
+    fields.require("is_scaled", score.is_scaled);
+    fields.require("points", score.points);
+    fields.require("instances", score.instances);
+    fields.require("views", score.views);
+    read_match(fields, score.match);
+    fields.read("paper_f", score.paper_f);
+    run.scores.push_back(std::move(score));
+}
+
+void read_setting(const Fields& fields, const std::string& model, PointsRun& run) {
+    PointsSetting setting;
+    setting.model = model;
+    fields.require("varied", setting.varied);
+    fields.require("filter", setting.filter);
+    fields.require("slices", setting.slices);
+    fields.require("side", setting.side);
+    fields.require("point_size", setting.point_size);
+    fields.require("points", setting.points);
+    fields.require("holes", setting.holes);
+    fields.require("hole_px", setting.hole_px);
+    fields.require("views", setting.views);
+    read_match(fields, setting.match);
+    run.settings.push_back(std::move(setting));
+}
+
+void read_crowd(const Fields& fields, const std::string& model, PointsRun& run) {
+    PointsCrowd crowd;
+    crowd.model = model;
+    fields.require("instances", crowd.instances);
+    fields.require("full_triangles", crowd.full_triangles);
+    fields.require("points", crowd.points);
+    fields.require("full_ms", crowd.full_ms);
+    fields.require("points_ms", crowd.points_ms);
+    fields.read("paper_gain", crowd.paper_gain);
+    run.crowds.push_back(std::move(crowd));
+}
+
+void read_picture(const Fields& fields, const std::string& model, PointsRun& run) {
+    constexpr std::string_view base64 = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/=";
+    PointsPicture picture;
+    picture.model = model;
+    fields.require("title", picture.title);
+    fields.require("png", picture.png_base64);
+    if (picture.png_base64.find_first_not_of(base64) != std::string::npos) fields.refuse("png", "is not base64");
+    run.pictures.push_back(std::move(picture));
+}
+
+void read_model(const Fields& fields, PointsRun& run) {
+    PointsScore score;
+    fields.require("model", score.model);
+    fields.require("triangles", score.triangles);
+    for (const Fields& one : fields.objects("scores")) read_score(one, score, run);
+    for (const Fields& one : fields.objects("settings")) read_setting(one, score.model, run);
+    for (const Fields& one : fields.objects("crowds")) read_crowd(one, score.model, run);
+    for (const Fields& one : fields.objects("pictures")) read_picture(one, score.model, run);
 }
 
 RunOrigin read_origin(const Fields& fields) {
@@ -59,16 +124,16 @@ RunOrigin read_origin(const Fields& fields) {
     return origin;
 }
 
-// A run whose rows stand below its models. `rows`: the member of Run that they become
-template <class Run, class Row>
-Result<Run> parse_run(std::string_view json, std::vector<Row> Run::*rows) {
+// A run whose rows stand below its models.
+template <class Run>
+Result<Run> parse_run(std::string_view json) {
     const Result<Json> document = parse_json(json);
     if (!document) return document.error();
     std::optional<Error> error;
     const Fields fields(*document, "", error);
     Run run;
     run.origin = read_origin(fields);
-    for (const Fields& model : fields.objects("models")) read_model(model, run.*rows);
+    for (const Fields& model : fields.objects("models")) read_model(model, run);
     if (error) return *error;
     return run;
 }
@@ -76,11 +141,15 @@ Result<Run> parse_run(std::string_view json, std::vector<Row> Run::*rows) {
 }  // namespace
 
 Result<MethodRun> parse_method_run(std::string_view json) {
-    return parse_run(json, &MethodRun::levels);
+    return parse_run<MethodRun>(json);
 }
 
 Result<CodecRun> parse_codec_run(std::string_view json) {
-    return parse_run(json, &CodecRun::trials);
+    return parse_run<CodecRun>(json);
+}
+
+Result<PointsRun> parse_points_run(std::string_view json) {
+    return parse_run<PointsRun>(json);
 }
 
 }  // namespace lodestream::proto

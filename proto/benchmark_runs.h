@@ -46,8 +46,54 @@ struct CodecRun {
     std::vector<CodecTrial> trials;
 };
 
+// Pixels that points and the full model cover, points taken for the guess (the point-cloud paper's equations 1 and 2).
+struct SilhouetteMatch {
+    double recall = 0.0, precision = 0.0, f_measure = 0.0;
+};
+
+// A crowd of instances of a model, each as the points that its distance asks for.
+struct PointsScore {
+    std::string model, level;  // "L0", the finest, ...: the instances of that level alone; "all": the whole crowd
+    bool is_scaled = false;    // fewer points than the paper's, as the scan at hand is smaller than the paper's
+    std::uint64_t triangles = 0, points = 0, instances = 0, views = 0;
+    SilhouetteMatch match;
+    std::optional<double> paper_f;
+};
+
+// One cloud of a model, seen close by from all around.
+struct PointsSetting {
+    std::string model, varied, filter;     // "filter", "slices", "side" or "point size"
+    std::uint64_t slices = 0, side = 0;    // T1 and T3
+    double point_size = 0.0;               // T2: radius of a disc over what closes the surface
+    std::uint64_t points = 0, holes = 0;   // holes: over all views, surrounded by points
+    std::uint64_t hole_px = 0, views = 0;  // likewise
+    SilhouetteMatch match;
+};
+
+// A square of instances of a model, drawn as full models and as points by distance.
+struct PointsCrowd {
+    std::string model;
+    std::uint64_t instances = 0, full_triangles = 0, points = 0;
+    double full_ms = 0.0, points_ms = 0.0;
+    std::optional<double> paper_gain;  // of the frame rate
+};
+
+struct PointsPicture {
+    std::string model, title;
+    std::string png_base64;
+};
+
+struct PointsRun {
+    RunOrigin origin;
+    std::vector<PointsScore> scores;
+    std::vector<PointsSetting> settings;
+    std::vector<PointsCrowd> crowds;
+    std::vector<PointsPicture> pictures;
+};
+
 // Errors: invalid_input, with the path of the field.
 Result<MethodRun> parse_method_run(std::string_view json);
 Result<CodecRun> parse_codec_run(std::string_view json);
+Result<PointsRun> parse_points_run(std::string_view json);
 
 }  // namespace lodestream::proto

@@ -39,4 +39,8 @@ Result<proto::CodecRun> read_codecs(const std::filesystem::path& file) {
     return read_run(file, proto::parse_codec_run, "codec");
 }
 
+Result<proto::PointsRun> read_points(const std::filesystem::path& file) {
+    return read_run(file, proto::parse_points_run, "points");
+}
+
 }  // namespace lodestream::report

@@ -12,16 +12,6 @@ double share(std::uint64_t part, std::uint64_t missing) {
     return part + missing == 0 ? 1.0 : static_cast<double>(part) / static_cast<double>(part + missing);
 }
 
-// Everything drawn is black, on white: what a material emits aside, only the silhouette is left.
-render::DrawOptions silhouette_options(const budget::Display& canvas) {
-    render::DrawOptions options;
-    options.width = canvas.width;
-    options.height = canvas.height;
-    options.samples = 1;
-    options.phong = {0.0, 0.0, 0.0, 1.0};
-    return options;
-}
-
 std::size_t level_at(double distance_radii) {
     std::size_t level = 0;
     while (level + 1 < crowd_levels && distance_radii >= level_distances[level + 1]) ++level;
@@ -40,10 +30,7 @@ struct Silhouettes {
         full.join(part.full);
         points.join(part.points);
     }
-    SilhouetteScore score() const {
-        const std::uint64_t both = full.count_shared(points);
-        return {both, points.count() - both, full.count() - both};
-    }
+    SilhouetteScore score() const { return match(points, full); }
 };
 
 class Scorer {
@@ -90,6 +77,15 @@ class Scorer {
 
 }  // namespace
 
+render::DrawOptions silhouette_options(const budget::Display& canvas) {
+    render::DrawOptions options;
+    options.width = canvas.width;
+    options.height = canvas.height;
+    options.samples = 1;
+    options.phong = {0.0, 0.0, 0.0, 1.0};
+    return options;
+}
+
 double SilhouetteScore::recall() const {
     return share(both, full_alone);
 }
@@ -104,6 +100,11 @@ void SilhouetteScore::add(const SilhouetteScore& other) {
     both += other.both;
     points_alone += other.points_alone;
     full_alone += other.full_alone;
+}
+
+SilhouetteScore match(const Mask& points, const Mask& full) {
+    const std::uint64_t both = full.count_shared(points);
+    return {both, points.count() - both, full.count() - both};
 }
 
 std::vector<render::Instance> crowd_of(const CrowdModel& model, const std::array<std::uint32_t, 3>& sides,

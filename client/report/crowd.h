@@ -29,6 +29,9 @@ struct CrowdOptions {
     budget::Display canvas{1024, 1024};  // px
 };
 
+// Everything drawn is black, on white: what a material emits aside, only the silhouette is left.
+render::DrawOptions silhouette_options(const budget::Display& canvas);
+
 // The full model and the points that stand for it, uploaded to their renderer.
 struct CrowdModel {
     const SilhouetteTree& full;
@@ -46,6 +49,9 @@ struct SilhouetteScore {
     double f_measure() const;
     void add(const SilhouetteScore& other);
 };
+
+// pre: of the same size
+SilhouetteScore match(const Mask& points, const Mask& full);
 
 struct CrowdScore {
     SilhouetteScore all;                                  // the whole crowd in one picture

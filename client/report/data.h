@@ -186,6 +186,7 @@ struct ReportData {
     std::vector<AssetResult> assets;
     std::optional<proto::MethodRun> methods;  // where the report was given one
     std::optional<proto::CodecRun> codecs;    // likewise
+    std::optional<proto::PointsRun> points;   // likewise
     std::optional<FrameRateResult> frame_rate;
     std::vector<std::string> problems;  // what is missing and why, one line each
 };

@@ -45,6 +45,7 @@ details{margin:1rem 0}details>summary{cursor:pointer;color:var(--accent)}
 .pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,30rem),1fr));gap:1.25rem}
 .panels{display:grid;grid-template-columns:repeat(3,1fr);gap:4px;margin-top:.25rem}
 .panels img{width:100%;height:auto;display:block;border:1px solid var(--edge);border-radius:3px;background:#fff}
+.strip{margin:1rem 0}.strip img{max-width:100%;height:auto;display:block;background:#fff}
 .panels span{font-size:.75rem;color:var(--muted);text-align:center}
 )css";
 
@@ -64,10 +65,17 @@ std::string plots_html(const std::vector<Plot>& plots) {
     return out + "</div>\n";
 }
 
+std::string strip_html(const Strip& strip) {
+    return "<figure class=\"strip\"><figcaption>" + escape_html(strip.title) + "</figcaption><img alt=\"" +
+           escape_html(strip.title) + "\" src=\"data:image/png;base64," + escape_html(strip.png_base64) +
+           "\"></figure>\n";
+}
+
 std::string section_html(const Section& section, const std::string& source) {
     std::string out = "<section id=\"" + section.key + "\"><h2>" + section.title + "</h2>\n<div class=\"text\">" +
                       section.text_html + "</div>\n" + plots_html(section.plots);
     if (!section.folded_plots.empty()) out += folded("More of these plots", plots_html(section.folded_plots));
+    for (const Strip& strip : section.strips) out += strip_html(strip);
     return out + table_html(section.shown.value_or(section.rows), source) + "</section>\n";
 }
 

@@ -118,22 +118,26 @@ void print(const ReportData& data, const ReportOptions& options, const std::stri
     std::cout << "report: " << (options.out / "report.html").string() << std::endl;
 }
 
+template <class Run>
+Status read_if_given(const std::optional<std::filesystem::path>& file,
+                     Result<Run> (*read)(const std::filesystem::path&), std::optional<Run>& run) {
+    if (!file) return Nothing{};
+    Result<Run> found = read(*file);
+    if (!found) return found.error();
+    run = *std::move(found);
+    return Nothing{};
+}
+
 }  // namespace
 
 Status run(const ReportOptions& options) {
     if (Status made = make_folders(options.out); !made) return made;
     std::optional<proto::MethodRun> methods;
-    if (options.methods) {
-        Result<proto::MethodRun> read = read_methods(*options.methods);
-        if (!read) return read.error();
-        methods = *std::move(read);
-    }
     std::optional<proto::CodecRun> codecs;
-    if (options.codecs) {
-        Result<proto::CodecRun> read = read_codecs(*options.codecs);
-        if (!read) return read.error();
-        codecs = *std::move(read);
-    }
+    std::optional<proto::PointsRun> points;
+    if (Status read = read_if_given(options.methods, read_methods, methods); !read) return read;
+    if (Status read = read_if_given(options.codecs, read_codecs, codecs); !read) return read;
+    if (Status read = read_if_given(options.points, read_points, points); !read) return read;
     const Interrupts interrupts;
     std::optional<ServerProcess> server;
     if (options.server_url.empty()) {
@@ -145,6 +149,7 @@ Status run(const ReportOptions& options) {
     if (!data) return data.error();
     data->methods = std::move(methods);
     data->codecs = std::move(codecs);
+    data->points = std::move(points);
 
     const std::string json = json_document(*data);
     if (Status written = write_text(options.out / "report.html", html_document(*data)); !written) return written;

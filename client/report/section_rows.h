@@ -91,6 +91,9 @@ Section shading_section(const ReportData& data);
 Section end_to_end_section(const ReportData& data);
 Section hlod_section(const ReportData& data);
 Section points_section(const ReportData& data);
+Section points_scores_section(const proto::PointsRun& run);
+Section points_settings_section(const proto::PointsRun& run);
+Section points_crowds_section(const proto::PointsRun& run);
 Section frame_rate_section(const ReportData& data);
 
 }  // namespace lodestream::report

@@ -17,6 +17,12 @@ double link_ms(const Link& link, double bytes);
 // Everything at a glance, one row an asset and device: what the terminal shows.
 Table overview_table(const ReportData& data);
 
+// Pictures side by side in one, as a benchmark made them.
+struct Strip {
+    std::string title;
+    std::string png_base64;
+};
+
 // Keyed as in report.json.
 struct Section {
     std::string key;
@@ -26,6 +32,7 @@ struct Section {
     std::vector<Plot> folded_plots;  // more of the same for who wants them
     Table rows;                      // all of them, as report.json has them
     std::optional<Table> shown;      // what the page shows instead, where the rows are too many to read
+    std::vector<Strip> strips{};
 };
 
 std::vector<Section> sections(const ReportData& data);

@@ -71,6 +71,39 @@ Mask silhouette(const render::Image& image) {
     return mask;
 }
 
+Holes holes_in(const Mask& drawn, const Mask& full) {
+    struct Pixel {
+        std::uint32_t x = 0, y = 0;
+    };
+    Holes holes;
+    Mask looked_at = drawn;
+    std::vector<Pixel> part;
+    bool is_inside = true;
+    const auto visit = [&](std::uint32_t x, std::uint32_t y) {
+        if (x >= full.width() || y >= full.height() || !full.at(x, y)) {
+            is_inside = false;
+        } else if (!looked_at.at(x, y)) {
+            looked_at.set(x, y);
+            part.push_back({x, y});
+        }
+    };
+    for (std::uint32_t y = 0; y < full.height(); ++y)
+        for (std::uint32_t x = 0; x < full.width(); ++x) {
+            if (!full.at(x, y) || looked_at.at(x, y)) continue;
+            part.clear();
+            is_inside = true;
+            visit(x, y);
+            for (std::size_t i = 0; i < part.size(); ++i) {
+                const auto [px, py] = part[i];
+                visit(px - 1, py), visit(px + 1, py), visit(px, py - 1), visit(px, py + 1);  // below 0 wraps
+            }
+            if (!is_inside) continue;
+            ++holes.count;
+            holes.pixels += part.size();
+        }
+    return holes;
+}
+
 SilhouetteTree::SilhouetteTree(const codec::Decoded& content) : origin_(content.origin) {
     for (const codec::Primitive& primitive : content.primitives)
         for (const mesh::Triangle& t : primitive.mesh.triangles)

@@ -45,6 +45,15 @@ class Mask {
 // Which pixels of a drawn picture are not white, the background.
 Mask silhouette(const render::Image& image);
 
+// Parts of the full model's picture that are not drawn and lie inside its outline: connected over pixels' edges, and
+// nothing beside them is outside of the full model. Where a drawing's outline falls short is no hole.
+struct Holes {
+    std::uint64_t count = 0;
+    std::uint64_t pixels = 0;  // of all of them
+};
+// pre: of the same size
+Holes holes_in(const Mask& drawn, const Mask& full);
+
 class SilhouetteTree {
   public:
     // pre: the renderer takes the content (render::check_drawable)

@@ -36,8 +36,9 @@ Parameters choose_parameters(const mesh::Mesh& mesh, std::uint64_t budget, std::
 // How a hole in a slice is told from the space around: by what its eight neighbours show within a slice of each other.
 enum class HoleFilter {
     none,
-    median,   // the paper's choice: five neighbours, at the median of their depths
-    gaussian  // weights 2 beside and 1 across a corner, half of the kernel's sum; at their mean depth
+    median,    // the paper's choice: five neighbours, at the median of their depths
+    gaussian,  // weights 2 beside and 1 across a corner, half of the kernel's sum; at their mean depth
+    opposites  // two on opposite sides, at their mean depth: closes cracks in any direction, however thin their sides
 };
 
 // The colour of a point on a triangle; `weights` of its corners, summing to 1.

@@ -68,43 +68,64 @@ const Hit* nearest_in(std::span<const Hit> column, float depth, double within) {
     return best != column.end() && std::abs(best->depth - depth) <= within ? &*best : nullptr;
 }
 
-// The neighbours of one pixel: beside it first, then across its corners.
+// The neighbours of one pixel, those on opposite sides after each other: beside it first, then across its corners.
 constexpr std::uint32_t back = ~0u;  // one less, as unsigned numbers wrap
 constexpr std::array<std::array<std::uint32_t, 2>, 8> neighbours{
-    {{back, 0}, {1, 0}, {0, back}, {0, 1}, {back, back}, {1, back}, {back, 1}, {1, 1}}};
+    {{back, 0}, {1, 0}, {0, back}, {0, 1}, {back, back}, {1, 1}, {1, back}, {back, 1}}};
 constexpr std::size_t beside = 4;
 
-struct Vote {
-    std::vector<const Hit*> hits;
-    int weight = 0;  // Gaussian, of 12
-    double depth_sum = 0.0;
+// What the neighbours show around a depth; null where one shows nothing.
+using Votes = std::array<const Hit*, neighbours.size()>;
+
+struct Filling {
+    const Hit* like = nullptr;  // null: no hole
+    float depth = 0.0f;
 };
 
-Vote vote_at(const std::array<std::span<const Hit>, 8>& columns, float depth, double slice_px) {
-    Vote vote;
-    for (std::size_t k = 0; k < columns.size(); ++k) {
-        const Hit* hit = nearest_in(columns[k], depth, slice_px);
-        if (!hit) continue;
-        const int weight = k < beside ? 2 : 1;
-        vote.hits.push_back(hit);
-        vote.weight += weight;
-        vote.depth_sum += weight * static_cast<double>(hit->depth);
-    }
-    return vote;
+Filling by_median(const Votes& votes) {
+    constexpr std::ptrdiff_t least_votes = 5;
+    Votes cast = votes;
+    const auto end = std::remove(cast.begin(), cast.end(), nullptr);
+    if (end - cast.begin() < least_votes) return {};
+    const auto middle = cast.begin() + (end - cast.begin()) / 2;
+    std::nth_element(cast.begin(), middle, end, [](const Hit* a, const Hit* b) { return a->depth < b->depth; });
+    return {*middle, (*middle)->depth};
 }
 
-// The point that closes a hole of `pixel` around that depth, where the filter sees one.
-bool fills(Vote vote, HoleFilter filter, Hit& filled) {
-    constexpr std::size_t median_votes = 5;
-    constexpr int gaussian_weight = 8;  // of the kernel's 16
-    const bool is_median = filter == HoleFilter::median;
-    if (is_median ? vote.hits.size() < median_votes : vote.weight < gaussian_weight) return false;
-    const auto middle = vote.hits.begin() + static_cast<std::ptrdiff_t>(vote.hits.size() / 2);
-    std::nth_element(vote.hits.begin(), middle, vote.hits.end(),
-                     [](const Hit* a, const Hit* b) { return a->depth < b->depth; });
-    filled.triangle = (*middle)->triangle;
-    filled.depth = is_median ? (*middle)->depth : static_cast<float>(vote.depth_sum / vote.weight);
-    return true;
+Filling by_gaussian(const Votes& votes) {
+    constexpr int least_weight = 8;  // of the kernel's 16
+    int weight = 0;
+    double depth_sum = 0.0;
+    const Hit* first = nullptr;
+    for (std::size_t k = 0; k < votes.size(); ++k) {
+        if (!votes[k]) continue;
+        const int own = k < beside ? 2 : 1;
+        weight += own;
+        depth_sum += own * static_cast<double>(votes[k]->depth);
+        if (!first) first = votes[k];
+    }
+    if (weight < least_weight) return {};
+    return {first, static_cast<float>(depth_sum / weight)};
+}
+
+Filling by_opposites(const Votes& votes) {
+    for (std::size_t k = 0; k < votes.size(); k += 2)
+        if (votes[k] && votes[k + 1]) return {votes[k], 0.5f * (votes[k]->depth + votes[k + 1]->depth)};
+    return {};
+}
+
+Filling filling_of(const Votes& votes, HoleFilter filter) {
+    switch (filter) {
+        case HoleFilter::none:
+            return {};
+        case HoleFilter::median:
+            return by_median(votes);
+        case HoleFilter::gaussian:
+            return by_gaussian(votes);
+        case HoleFilter::opposites:
+            return by_opposites(votes);
+    }
+    return {};
 }
 
 void close_holes(const Layers& layers, const ViewSize& size, std::uint32_t x, std::uint32_t y, HoleFilter filter,
@@ -122,8 +143,12 @@ void close_holes(const Layers& layers, const ViewSize& size, std::uint32_t x, st
             const auto is_near = [&](const Hit& hit) { return std::abs(hit.depth - seed.depth) <= size.slice_px; };
             if (nearest_in(here, seed.depth, size.slice_px) || std::any_of(filled.begin(), filled.end(), is_near))
                 continue;
-            Hit hit{pixel, 0.0f, 0};
-            if (fills(vote_at(columns, seed.depth, size.slice_px), filter, hit)) filled.push_back(hit);
+            Votes votes;
+            std::ranges::transform(columns, votes.begin(), [&](const std::span<const Hit>& column) {
+                return nearest_in(column, seed.depth, size.slice_px);
+            });
+            const Filling filling = filling_of(votes, filter);
+            if (filling.like) filled.push_back({pixel, filling.depth, filling.like->triangle});
         }
     for (const Hit& hit : filled) samples.push_back({hit, false, true});
 }

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <iostream>
-#include <map>
+#include <numeric>
 #include <optional>
 
 #include "client/render/gl_context.h"
 #include "client/report/crowd.h"
+#include "client/report/machine.h"
+#include "client/report/text.h"
+#include "common/base/directions.h"
 #include "common/mesh/operations.h"
 #include "common/metric/surface_distance.h"
 #include "common/points/level.h"
@@ -18,39 +20,54 @@
 #include "server/bake/executor.h"
 #include "server/importer/importer.h"
 #include "server/samples/samples.h"
-#include "tests/bench/stopwatch.h"
+#include "tests/bench/points_json.h"
+#include "tests/bench/points_paper.h"
 #include "tests/bench/table.h"
 
 namespace lodestream::bench {
 namespace {
 
 namespace fs = std::filesystem;
+using points::HoleFilter;
 using report::crowd_levels;
-using Levels = std::array<std::uint64_t, crowd_levels>;
 
 struct Arguments {
     std::vector<std::string> models{"sample:teapot"};
     std::uint32_t side = 11;
     std::uint32_t directions = 8;
-    std::string picture_folder;
+    bool scores = false;
     bool parameters = false;
     bool share = false;
     std::vector<std::uint32_t> crowds;
+    std::string picture_folder, json_file, command_line;
 };
 
-// The paper's Tables 3 and 12.
-struct Paper {
-    Levels levels;
-    double f = 0.0;
-};
-const std::map<std::string, Paper> papers{
-    {"buddha", {{300'000, 138'967, 89'022, 35'492, 22'301}, 0.959}},
-    {"dragon", {{300'000, 109'486, 69'952, 27'251, 17'478}, 0.944}},
-    {"bunny", {{14'904, 12'654, 7'092, 3'191, 800}, 0.965}},
-    {"lucy", {{1'346'640, 81'566, 52'162, 39'897, 20'354}, 0.918}},
-    {"armadillo", {{1'037'832, 64'200, 41'211, 31'621, 16'102}, 0.928}},
-};
 constexpr double other_level_ratio = 0.5;  // of a level's points to the finer one's, where the paper has none
+constexpr std::uint64_t most_points = 300'000;
+
+// Pictures from close by, in which holes show.
+constexpr std::uint32_t close_side = 512;  // px
+constexpr std::size_t close_views = 26;
+constexpr double close_distance = 3.0;     // of the eye, radii
+constexpr std::uint32_t panel_side = 200;  // px, of a picture in the report
+const Vec3d panel_direction{0.5, 0.4, 0.8};
+
+struct NamedFilter {
+    HoleFilter filter;
+    const char* name;
+};
+constexpr std::array<NamedFilter, 4> filters{{{HoleFilter::none, "none"},
+                                              {HoleFilter::gaussian, "gaussian"},
+                                              {HoleFilter::median, "median"},
+                                              {HoleFilter::opposites, "opposites"}}};
+// The paper's figures 5 to 7: T3 and T1 in the same steps, and points from 10 px to 2, of which 6 fit.
+constexpr std::array<std::uint32_t, 5> paper_steps{100, 80, 60, 40, 20};
+constexpr std::array<double, 5> paper_point_sizes{10.0 / 6.0, 8.0 / 6.0, 1.0, 4.0 / 6.0, 2.0 / 6.0};
+
+constexpr std::uint64_t most_crowd_triangles = 1'500'000'000;  // of full models in a frame: minutes
+constexpr std::uint64_t repeated_crowd = 289;                  // instances; larger ones are timed once
+constexpr int turns = 3;
+constexpr double crowd_nearest = 30.0;  // of the eye, radii
 
 mesh::Model load(const std::string& name) {
     constexpr std::string_view sample_prefix = "sample:";
@@ -61,48 +78,112 @@ mesh::Model load(const std::string& name) {
     return *std::move(model);
 }
 
+double median(std::vector<double> values) {
+    std::ranges::sort(values);
+    return values[values.size() / 2];
+}
+
 template <class T>
 T checked(Result<T> result) {
     if (!result) throw std::runtime_error(result.error().message);
     return *std::move(result);
 }
 
-// The paper's row whose name the file's stem begins with.
-const Paper* paper_of(const std::string& name) {
-    const std::string stem = fs::path(name).stem().string();
-    for (const auto& [model, paper] : papers)
-        if (stem.starts_with(model)) return &paper;
+std::string stem_of(const std::string& name) {
+    return name.starts_with("sample:") ? name.substr(7) : fs::path(name).stem().string();
+}
+
+// The paper's row whose name the model's begins with.
+const PointsPaper* paper_of(const std::string& name) {
+    for (const auto& [model, paper] : points_papers)
+        if (stem_of(name).starts_with(model)) return &paper;
     return nullptr;
 }
 
-Levels levels_of(const mesh::Mesh& mesh, const Paper* paper, double scale) {
-    Levels levels{};
+PointLevels levels_of(const mesh::Mesh& mesh, const PointsPaper* paper, double scale) {
+    PointLevels levels{};
     double points = static_cast<double>(mesh.triangles.size());
     for (std::size_t i = 0; i < crowd_levels; ++i) {
         const double own = paper ? static_cast<double>(paper->levels[i]) * scale : points;
-        levels[i] = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::min(own, 300'000.0)));
+        levels[i] = std::clamp<std::uint64_t>(static_cast<std::uint64_t>(own), 1, most_points);
         points *= other_level_ratio;
     }
     return levels;
 }
 
-struct Cloud {
+// Of the paper's scan to the one at hand: 1 where that is as large.
+double scale_of(const mesh::Mesh& mesh, const PointsPaper* paper) {
+    const auto vertices = static_cast<double>(mesh.positions.size());
+    return paper ? std::min(1.0, vertices / static_cast<double>(paper->levels[0])) : 1.0;
+}
+
+proto::SilhouetteMatch match_of(const report::SilhouetteScore& score) {
+    return {score.recall(), score.precision(), score.f_measure()};
+}
+
+// All that a drawing needs of a cloud; its errors are not measured.
+codec::Points content_of(const mesh::Model& model, points::OrderedCloud ordered, const simplify::Executor& executor) {
+    constexpr std::size_t few_samples = 1;
+    const metric::SurfaceIndex index(model.mesh, few_samples);
     codec::Points content;
-    double seconds = 0.0;
+    content.levels = points::measured_levels(index, model.mesh, ordered, executor);
+    content.cloud = std::move(ordered.cloud);
+    content.origin = model.origin;
+    return content;
+}
+
+// The points that face the eye, so that none behind shows through a hole.
+codec::Points facing(const codec::Points& all, const Vec3d& eye) {
+    codec::Points front;
+    front.origin = all.origin;
+    const Vec3d from(eye - all.origin);
+    for (std::size_t i = 0; i < all.cloud.positions.size(); ++i) {
+        const Vec3f &position = all.cloud.positions[i], &normal = all.cloud.normals[i];
+        if (!(dot(Vec3d(normal), from - Vec3d(position)) > 0.0)) continue;
+        front.cloud.positions.push_back(position);
+        front.cloud.normals.push_back(normal);
+    }
+    front.levels = {{front.cloud.positions.size(), {}, all.levels.front().radius}};
+    return front;
+}
+
+// The triangles that face the eye.
+mesh::Mesh facing(const mesh::Model& model, const Vec3d& eye) {
+    mesh::Mesh front = model.mesh;
+    front.triangle_materials.clear();
+    const Vec3d from = eye - model.origin;
+    std::erase_if(front.triangles, [&](const mesh::Triangle& t) {
+        const Vec3f& corner = front.positions[t[0]];
+        return !(dot(mesh::face_normal(corner, front.positions[t[1]], front.positions[t[2]]), from - Vec3d(corner)) >
+                 0.0);
+    });
+    return front;
+}
+
+// A model from close by: what it covers, and what of it faces the eye.
+struct CloseView {
+    shading::View view;
+    report::Mask full, front;
 };
 
-Cloud make_cloud(const mesh::Model& model, std::uint64_t points, const points::ResampleOptions& how,
-                 std::optional<points::Parameters> parameters = {}) {
-    const Stopwatch watch;
-    const points::Parameters chosen = parameters.value_or(points::choose_parameters(model.mesh, points));
-    points::OrderedCloud ordered = points::order(points::resample(model.mesh, chosen, how), points, how.executor);
-    Cloud cloud;
-    cloud.seconds = 1e-3 * watch.elapsed().wall_ms;
-    const metric::SurfaceIndex index(model.mesh);
-    cloud.content.levels = points::measured_levels(index, model.mesh, ordered, bake::all_cores());
-    cloud.content.cloud = std::move(ordered.cloud);
-    cloud.content.origin = model.origin;
-    return cloud;
+report::Mask covered_by(const codec::Decoded& content, const shading::View& view) {
+    report::Mask mask(close_side, close_side);
+    report::SilhouetteTree(content).cover(render::pixels_from_world(view, close_side, close_side), Vec3d(0.0), mask);
+    return mask;
+}
+
+std::vector<CloseView> views_around(const mesh::Model& model) {
+    const codec::Decoded content = render::drawable(model, model.mesh);
+    const Box bounds = render::world_bounds(content);
+    std::vector<CloseView> views(close_views);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        CloseView& from = views[i];
+        from.view.target = bounds.center();
+        from.view.eye = from.view.target + spread_direction(i, close_views) * (close_distance * bounds.radius());
+        from.full = covered_by(content, from.view);
+        from.front = covered_by(render::drawable(model, facing(model, from.view.eye)), from.view);
+    }
+    return views;
 }
 
 class Bench {
@@ -116,23 +197,37 @@ class Bench {
     }
 
     void run() {
-        std::cout << "F of silhouettes, " << arguments_.side << "^3 instances, "
-                  << report::orbit_distances.size() * arguments_.directions << " views of 1024x1024 px, "
-                  << context_.renderer() << "\n";
-        std::vector<TableRow> table{
-            {"model", "triangles", "points", "recall", "precision", "F", "paper's F", "resample s"}};
-        for (const std::string& name : arguments_.models) score(name, table);
-        std::cout << to_text(table);
-        if (arguments_.parameters)
-            for (const std::string& name : arguments_.models) vary(name);
-        if (arguments_.share)
-            for (const std::string& name : arguments_.models) compare_with_levels(name);
-        if (!arguments_.crowds.empty())
-            for (const std::string& name : arguments_.models) time_crowds(name);
+        std::cout << "On " << context_.renderer() << std::endl;
+        for (const std::string& name : arguments_.models) {
+            if (arguments_.scores) score(name);
+            if (arguments_.parameters) vary(name);
+            if (arguments_.share) compare_with_levels(name);
+            if (!arguments_.crowds.empty()) time_crowds(name);
+        }
+        if (arguments_.scores) print_scores();
+        if (arguments_.parameters) print_settings();
+        if (!arguments_.crowds.empty()) print_crowds();
+        if (!arguments_.json_file.empty()) write_points_run(arguments_.json_file, arguments_.command_line, run_);
     }
 
   private:
-    report::CrowdModel upload(const mesh::Model& model, const codec::Points& points, const Levels& levels) {
+    codec::Points make_cloud(const mesh::Model& model, std::uint64_t points) {
+        const points::PointCloud cloud =
+            points::resample(model.mesh, points::choose_parameters(model.mesh, points), how_);
+        return content_of(model, points::order(cloud, points, how_.executor), how_.executor);
+    }
+    // As many of those that the parameters give as a bake would keep of them.
+    codec::Points choose(const mesh::Model& model, const points::Parameters& parameters, HoleFilter filter) {
+        points::ResampleOptions how = how_;
+        how.filter = filter;
+        const points::PointCloud cloud = points::resample(model.mesh, parameters, how);
+        const auto kept =
+            static_cast<std::uint64_t>(static_cast<double>(cloud.positions.size()) / points::oversampling);
+        return content_of(model, points::order(cloud, kept, how.executor), how.executor);
+    }
+
+    // Full model and points, each on its renderer.
+    report::CrowdModel upload(const mesh::Model& model, const codec::Points& points, const PointLevels& levels) {
         const codec::Decoded content = render::drawable(model, model.mesh);
         checked(full_.upload(content));
         checked(points_.upload(points));
@@ -140,93 +235,158 @@ class Bench {
         return {*silhouettes_, points_, render::world_bounds(content), levels};
     }
 
-    report::CrowdScore measure(report::CrowdModel& crowd, std::uint32_t directions) {
-        report::CrowdOptions options;
-        options.side = arguments_.side;
-        options.directions = directions;
-        return checked(report::score_crowd(crowd, options));
-    }
-
-    void score(const std::string& name, std::vector<TableRow>& table) {
+    // The paper's test, with its levels and, where the scan at hand is smaller, with levels as much smaller.
+    void score(const std::string& name) {
         const mesh::Model model = load(name);
-        const Paper* paper = paper_of(name);
-        const auto vertices = static_cast<double>(model.mesh.positions.size());
-        std::vector<double> scales{1.0};
-        if (paper && vertices < static_cast<double>(paper->levels[0]))
-            scales.push_back(vertices / static_cast<double>(paper->levels[0]));
-        const Levels most = levels_of(model.mesh, paper, 1.0);
-        const Cloud cloud = make_cloud(model, most[0], how_);
-        for (const double scale : scales) {
-            const Levels levels = levels_of(model.mesh, paper, scale);
-            report::CrowdModel crowd = upload(model, cloud.content, levels);
-            const report::CrowdScore scored = measure(crowd, arguments_.directions);
-            const std::string label = fs::path(name).stem().string() + (scale < 1.0 ? ", scaled" : "");
-            for (std::size_t level = 0; level < crowd_levels; ++level)
-                if (scored.instances[level] > 0)
-                    row(table, label + " L" + std::to_string(level), model, levels[level], scored.by_level[level], {},
-                        {});
-            row(table, label, model, levels[0], scored.all, paper ? std::optional(paper->f) : std::nullopt,
-                cloud.seconds);
-            save_pictures(label, crowd);
+        const PointsPaper* paper = paper_of(name);
+        const codec::Points cloud = make_cloud(model, levels_of(model.mesh, paper, 1.0)[0]);
+        const double scale = scale_of(model.mesh, paper);
+        for (const bool is_scaled : {false, true}) {
+            if (is_scaled && !(scale < 1.0)) break;
+            const PointLevels levels = levels_of(model.mesh, paper, is_scaled ? scale : 1.0);
+            report::CrowdModel crowd = upload(model, cloud, levels);
+            report::CrowdOptions options;
+            options.side = arguments_.side;
+            options.directions = arguments_.directions;
+            const report::CrowdScore scored = checked(report::score_crowd(crowd, options));
+            proto::PointsScore row;
+            row.model = stem_of(name);
+            row.is_scaled = is_scaled;
+            row.triangles = model.mesh.triangles.size();
+            row.views = report::orbit_distances.size() * options.directions;
+            for (std::size_t level = 0; level < crowd_levels; ++level) {
+                row.level = "L" + std::to_string(level);
+                row.points = levels[level];
+                row.instances = scored.instances[level];
+                row.match = match_of(scored.by_level[level]);
+                if (row.instances > 0) run_.scores.push_back(row);
+            }
+            row.level = "all";
+            row.points = levels[0];
+            row.instances = std::uint64_t{options.side} * options.side * options.side;
+            row.match = match_of(scored.all);
+            if (paper) row.paper_f = paper->f;
+            run_.scores.push_back(row);
+            add_crowd_picture(name, is_scaled ? "crowd, levels scaled to the scan" : "crowd, the paper’s levels",
+                              crowd);
         }
     }
 
-    static void row(std::vector<TableRow>& table, const std::string& label, const mesh::Model& model,
-                    std::uint64_t points, const report::SilhouetteScore& score, std::optional<double> paper,
-                    std::optional<double> seconds) {
-        table.push_back({label, std::to_string(model.mesh.triangles.size()), std::to_string(points),
-                         fixed(score.recall(), 4), fixed(score.precision(), 4), fixed(score.f_measure(), 4),
-                         paper ? fixed(*paper, 3) : "", seconds ? fixed(*seconds, 2) : ""});
-    }
-
-    void save_pictures(const std::string& label, report::CrowdModel& crowd) {
-        if (arguments_.picture_folder.empty()) return;
+    void add_crowd_picture(const std::string& name, const std::string& title, const report::CrowdModel& crowd) {
         const double radius = crowd.bounds.radius();
         shading::View view;
         view.target = crowd.bounds.center();
-        view.eye = view.target + Vec3d(0.5, 0.4, 0.8) * (36.0 * radius);
+        view.eye = view.target + panel_direction * (36.0 * radius);
         render::DrawOptions options;
-        options.width = options.height = 1024;
+        options.width = options.height = 2 * panel_side;
         const std::array<std::uint32_t, 3> sides{arguments_.side, arguments_.side, arguments_.side};
         options.instances = report::crowd_of(crowd, sides, report::CrowdOptions{}.spacing, view.eye);
         std::vector<render::Image> images;
         for (render::Renderer* renderer : {&full_, &points_})
             images.push_back(checked(renderer->draw(view, options)).image);
-        view.eye = view.target + Vec3d(0.5, 0.4, 0.8) * (2.9 * radius);
+        view.eye = view.target + panel_direction * (2.9 * radius);
         options.instances = {render::Instance{}};
         for (render::Renderer* renderer : {&full_, &points_})
             images.push_back(checked(renderer->draw(view, options)).image);
-        fs::create_directories(arguments_.picture_folder);
-        const Status written =
-            render::write_png(fs::path(arguments_.picture_folder) / (label + ".png"), render::side_by_side(images));
-        if (!written) throw std::runtime_error(written.error().message);
+        add_picture(name, title, images);
     }
 
-    // One parameter at a time: the filter, T1, T3 (T2 is one pixel by construction).
+    void add_picture(const std::string& name, const std::string& title, const std::vector<render::Image>& images) {
+        const render::Image joined = render::side_by_side(images);
+        const std::vector<std::byte> png = checked(image::encode_small_png(joined));
+        const std::string bytes(reinterpret_cast<const char*>(png.data()), png.size());
+        run_.pictures.push_back({stem_of(name), title, report::base64(bytes)});
+        if (arguments_.picture_folder.empty()) return;
+        fs::create_directories(arguments_.picture_folder);
+        const fs::path file = fs::path(arguments_.picture_folder) / (stem_of(name) + ", " + title + ".png");
+        if (const Status written = render::write_png(file, joined); !written)
+            throw std::runtime_error(written.error().message);
+    }
+
+    // One parameter at a time, points chosen as a bake does, as in the paper's figures 5 to 8.
     void vary(const std::string& name) {
         const mesh::Model model = load(name);
-        const Levels levels = levels_of(model.mesh, paper_of(name), 1.0);
-        const points::Parameters usual = points::choose_parameters(model.mesh, levels[0]);
-        std::vector<TableRow> table{{"filter", "T1", "T3", "points", "recall", "precision", "F"}};
-        const auto measure_with = [&](points::HoleFilter filter, const char* label,
-                                      const points::Parameters& parameters) {
-            points::ResampleOptions how = how_;
-            how.filter = filter;
-            const Cloud cloud = make_cloud(model, levels[0], how, parameters);
-            report::CrowdModel crowd = upload(model, cloud.content, levels);
-            const report::SilhouetteScore score = measure(crowd, 2).all;
-            table.push_back({label, std::to_string(parameters.slices), std::to_string(parameters.side),
-                             std::to_string(cloud.content.cloud.positions.size()), fixed(score.recall(), 4),
-                             fixed(score.precision(), 4), fixed(score.f_measure(), 4)});
-        };
-        measure_with(points::HoleFilter::none, "none", usual);
-        measure_with(points::HoleFilter::median, "median", usual);
-        measure_with(points::HoleFilter::gaussian, "gaussian", usual);
-        for (const std::uint32_t divisor : {2u, 4u, 8u, 16u}) {
-            measure_with(points::HoleFilter::median, "median", {std::max(1u, usual.slices / divisor), usual.side});
-            measure_with(points::HoleFilter::median, "median", {usual.slices, std::max(1u, usual.side / divisor)});
+        const Varied varied{name, model, views_around(model)};
+        checked(full_.upload(render::drawable(model, model.mesh)));
+        const std::uint32_t finest = paper_steps.front();
+        std::vector<render::Image> panels;
+        const auto begin = [&] { panels = {panel(full_, model)}; };
+        for (const NamedFilter& filter : filters) {
+            begin();
+            for (const std::uint32_t side : paper_steps)
+                panels.push_back(try_setting(varied, {"side", filter, finest, side, 1.0}));
+            if (filter.filter == HoleFilter::median) add_picture(name, "images of 100, 80, 60, 40, 20 px", panels);
+            begin();
+            for (const std::uint32_t slices : paper_steps)
+                panels.push_back(try_setting(varied, {"slices", filter, slices, finest, 1.0}));
+            if (filter.filter == HoleFilter::median) add_picture(name, "100, 80, 60, 40, 20 slices", panels);
         }
-        std::cout << "\n" << name << ": parameters\n" << to_text(table);
+        begin();
+        for (const double size : paper_point_sizes)
+            panels.push_back(try_setting(varied, {"point size", filters[2], finest, finest, size}));
+        add_picture(name, "points 1.67, 1.33, 1, 0.67, 0.33 times as large as fits", panels);
+        begin();
+        for (const NamedFilter& filter : filters)
+            panels.push_back(try_setting(varied, {"filter", filter, finest, finest, 2.0 / 3.0}));
+        add_picture(name, "filters none, gaussian, median, opposites; points of 0.67", panels);
+    }
+
+    struct Varied {
+        const std::string& name;
+        const mesh::Model& model;
+        std::vector<CloseView> views;
+    };
+    struct Setting {
+        const char* varied;
+        NamedFilter filter;
+        std::uint32_t slices, side;
+        double point_size;
+    };
+
+    // Adds a row and gives the picture.
+    render::Image try_setting(const Varied& varied, const Setting& setting) {
+        codec::Points cloud = choose(varied.model, {setting.slices, setting.side}, setting.filter.filter);
+        for (points::Level& level : cloud.levels) level.radius *= setting.point_size;
+        proto::PointsSetting row;
+        row.model = stem_of(varied.name);
+        row.varied = setting.varied;
+        row.filter = setting.filter.name;
+        row.slices = setting.slices;
+        row.side = setting.side;
+        row.point_size = setting.point_size;
+        row.points = cloud.cloud.positions.size();
+        look_from_around(varied.views, cloud, row);
+        run_.settings.push_back(row);
+        checked(points_.upload(cloud));
+        return panel(points_, varied.model);
+    }
+
+    // How the silhouettes of one instance match, and the holes of what faces the eye.
+    void look_from_around(const std::vector<CloseView>& views, const codec::Points& cloud, proto::PointsSetting& row) {
+        const auto drawn = [&](const codec::Points& content, const CloseView& from) {
+            checked(points_.upload(content));
+            return report::silhouette(
+                checked(points_.draw(from.view, report::silhouette_options({close_side, close_side}))).image);
+        };
+        report::SilhouetteScore score;
+        for (const CloseView& from : views) {
+            score.add(report::match(drawn(cloud, from), from.full));
+            const report::Holes holes = report::holes_in(drawn(facing(cloud, from.view.eye), from), from.front);
+            row.holes += holes.count;
+            row.hole_px += holes.pixels;
+        }
+        row.views = views.size();
+        row.match = match_of(score);
+    }
+
+    static render::Image panel(render::Renderer& renderer, const mesh::Model& model) {
+        const Box bounds = mesh::bounds(model.mesh);
+        shading::View view;
+        view.target = model.origin + bounds.center();
+        view.eye = view.target + panel_direction * (2.4 * bounds.radius());
+        render::DrawOptions options;
+        options.width = options.height = panel_side;
+        return checked(renderer.draw(view, options)).image;
     }
 
     // What a plan weighs against each other (server/planner/point_level.h): the RMS distance of the level of triangles
@@ -235,8 +395,8 @@ class Bench {
         const mesh::Model model = load(name);
         const simplify::History history = checked(simplify::record_history(mesh::Mesh(model.mesh)));
         const metric::SurfaceIndex index(model.mesh);
-        const Cloud cloud = make_cloud(model, model.mesh.triangles.size() / 2, how_);
-        report::CrowdModel crowd = upload(model, cloud.content, {});
+        const codec::Points cloud = make_cloud(model, model.mesh.triangles.size() / 2);
+        const report::CrowdModel crowd = upload(model, cloud, {});
         std::vector<TableRow> table{{"points", "radius px", "error", "triangles", "RMS px", "RMS / radius"}};
         shading::View view = shading::framing_view(crowd.bounds);
         render::DrawOptions options;
@@ -247,7 +407,7 @@ class Bench {
         const auto error_of = [&](render::Renderer& renderer) {
             return checked(render::compare(full, checked(renderer.draw(view, options)).image)).rms;
         };
-        for (std::uint64_t points = 64; points <= cloud.content.cloud.positions.size(); points *= 4) {
+        for (std::uint64_t points = 64; points <= cloud.cloud.positions.size(); points *= 4) {
             options.instances = {{{}, points}};
             const double error = error_of(points_);
             std::uint64_t low = 4, high = model.mesh.triangles.size();
@@ -257,38 +417,104 @@ class Bench {
                 (error_of(full_) > error ? low : high) = middle;
             }
             const double rms = metric::measure(index, model.mesh, simplify::cut(history, high)).rms * px;
-            const double radius = points::level_of(cloud.content.levels, points).radius * px;
+            const double radius = points::level_of(cloud.levels, points).radius * px;
             table.push_back({std::to_string(points), fixed(radius, 2), fixed(error, 2), std::to_string(high),
                              fixed(rms, 3), fixed(rms / radius, 4)});
         }
         std::cout << "\n" << name << ": points and triangles of the same picture error\n" << to_text(table);
     }
 
-    // Frames a second of a square of instances, full models against points by distance.
+    // Frame times of a square of instances, full models against points by distance.
     void time_crowds(const std::string& name) {
         const mesh::Model model = load(name);
-        const Levels levels = levels_of(model.mesh, paper_of(name), 1.0);
-        const Cloud cloud = make_cloud(model, levels[0], how_);
-        report::CrowdModel crowd = upload(model, cloud.content, levels);
-        std::vector<TableRow> table{{"instances", "full ms", "points ms", "gain", "full triangles", "points drawn"}};
+        const PointsPaper* paper = paper_of(name);
+        const PointLevels levels = levels_of(model.mesh, paper, scale_of(model.mesh, paper));
+        const codec::Points cloud = make_cloud(model, levels[0]);
+        const report::CrowdModel crowd = upload(model, cloud, levels);
+        for (const std::uint32_t side : arguments_.crowds) {
+            proto::PointsCrowd row;
+            row.model = stem_of(name);
+            row.instances = std::uint64_t{side} * side;
+            row.full_triangles = row.instances * model.mesh.triangles.size();
+            if (row.full_triangles > most_crowd_triangles) {
+                std::cout << row.model << ": " << row.instances << " full models are left out, "
+                          << row.full_triangles / 1'000'000 << " million triangles" << std::endl;
+                continue;
+            }
+            time_crowd(crowd, side, row);
+            if (paper) row.paper_gain = paper->gain(row.instances);
+            run_.crowds.push_back(row);
+        }
+    }
+
+    // In turns, and the median of each.
+    void time_crowd(const report::CrowdModel& crowd, std::uint32_t side, proto::PointsCrowd& row) {
         shading::View view;
         view.target = crowd.bounds.center();
-        for (const std::uint32_t side : arguments_.crowds) {
-            const double extent = side * report::CrowdOptions{}.spacing * crowd.bounds.radius();
-            view.eye = view.target + normalize(Vec3d(0.0, 0.6, 1.0)) * std::max(extent, 30.0 * crowd.bounds.radius());
-            render::DrawOptions options;
-            options.width = options.height = 1024;
-            options.samples = 1;
-            options.frames = 3;
-            options.instances = report::crowd_of(crowd, {side, 1, side}, report::CrowdOptions{}.spacing, view.eye);
+        const double extent = side * report::CrowdOptions{}.spacing;
+        view.eye =
+            view.target + normalize(Vec3d(0.0, 0.6, 1.0)) * (crowd.bounds.radius() * std::max(extent, crowd_nearest));
+        render::DrawOptions options;
+        options.width = options.height = report::CrowdOptions{}.canvas.width;
+        options.samples = 1;
+        options.instances = report::crowd_of(crowd, {side, 1, side}, report::CrowdOptions{}.spacing, view.eye);
+        std::vector<double> full_ms, points_ms;
+        for (int turn = 0; turn < (row.instances <= repeated_crowd ? turns : 1); ++turn) {
             const render::Frame points = checked(points_.draw(view, options));
-            if (side > 17) options.frames = 1;
             const render::Frame full = checked(full_.draw(view, options));
-            table.push_back({std::to_string(side * side), fixed(full.frame_ms, 1), fixed(points.frame_ms, 1),
-                             fixed(full.frame_ms / points.frame_ms, 2), std::to_string(full.triangles),
-                             std::to_string(points.points)});
+            points_ms.push_back(points.frame_ms);
+            full_ms.push_back(full.frame_ms);
+            row.full_triangles = full.triangles;
+            row.points = points.points;
         }
-        std::cout << "\n" << name << ": frame times\n" << to_text(table);
+        row.full_ms = median(full_ms);
+        row.points_ms = median(points_ms);
+    }
+
+    void print_scores() const {
+        std::cout << "\nF of silhouettes, " << arguments_.side << "^3 instances, "
+                  << report::orbit_distances.size() * arguments_.directions << " views of 1024x1024 px\n";
+        std::vector<TableRow> table{
+            {"model", "level", "triangles", "points", "instances", "recall", "precision", "F", "paper's F"}};
+        for (const proto::PointsScore& row : run_.scores)
+            table.push_back({row.model + (row.is_scaled ? ", scaled" : ""), row.level, std::to_string(row.triangles),
+                             std::to_string(row.points), std::to_string(row.instances), fixed(row.match.recall, 4),
+                             fixed(row.match.precision, 4), fixed(row.match.f_measure, 4),
+                             row.paper_f ? fixed(*row.paper_f, 3) : ""});
+        std::cout << to_text(table);
+        for (const bool is_scaled : {false, true}) {
+            std::vector<double> all;
+            for (const proto::PointsScore& row : run_.scores)
+                if (row.level == "all" && row.is_scaled == is_scaled) all.push_back(row.match.f_measure);
+            if (!all.empty())
+                std::cout << "mean F" << (is_scaled ? ", scaled" : "") << ": "
+                          << fixed(std::accumulate(all.begin(), all.end(), 0.0) / static_cast<double>(all.size()), 4)
+                          << "\n";
+        }
+    }
+
+    void print_settings() const {
+        std::cout << "\nOne model at " << close_distance << " radii, " << close_views << " views of " << close_side
+                  << "x" << close_side << " px\n";
+        std::vector<TableRow> table{
+            {"model", "varied", "filter", "T1", "T2", "T3", "points", "holes", "hole px", "recall", "precision", "F"}};
+        for (const proto::PointsSetting& row : run_.settings)
+            table.push_back({row.model, row.varied, row.filter, std::to_string(row.slices), fixed(row.point_size, 2),
+                             std::to_string(row.side), std::to_string(row.points), std::to_string(row.holes),
+                             std::to_string(row.hole_px), fixed(row.match.recall, 4), fixed(row.match.precision, 4),
+                             fixed(row.match.f_measure, 4)});
+        std::cout << to_text(table);
+    }
+
+    void print_crowds() const {
+        std::cout << "\nFrame times of crowds\n";
+        std::vector<TableRow> table{
+            {"model", "instances", "full ms", "points ms", "gain", "paper's", "full triangles", "points"}};
+        for (const proto::PointsCrowd& row : run_.crowds)
+            table.push_back({row.model, std::to_string(row.instances), fixed(row.full_ms, 1), fixed(row.points_ms, 1),
+                             fixed(row.full_ms / row.points_ms, 2), row.paper_gain ? fixed(*row.paper_gain, 2) : "",
+                             std::to_string(row.full_triangles), std::to_string(row.points)});
+        std::cout << to_text(table);
     }
 
     Arguments arguments_;
@@ -296,6 +522,7 @@ class Bench {
     render::Renderer full_, points_;
     std::optional<report::SilhouetteTree> silhouettes_;
     points::ResampleOptions how_;
+    proto::PointsRun run_;
 };
 
 }  // namespace
@@ -303,20 +530,24 @@ class Bench {
 
 int main(int argc, char** argv) {
     lodestream::bench::Arguments arguments;
-    CLI::App app("The point-cloud paper's tests: recall, precision and F of crowds of points against full models.");
+    arguments.command_line = lodestream::report::joined(argc, argv);
+    CLI::App app("The point-cloud paper's tests of its levels: silhouettes, parameters and frame times of crowds.");
     app.add_option("models", arguments.models, "Files, or sample:NAME");
-    app.add_option("--side", arguments.side, "Instances along each axis")
+    app.add_flag("--scores", arguments.scores, "Recall, precision and F of crowds; the default");
+    app.add_option("--side", arguments.side, "Instances along each axis of such a crowd")
         ->check(CLI::Range(1, 13))
         ->capture_default_str();
     app.add_option("--directions", arguments.directions, "Views on each of the five orbits")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
-    app.add_option("--pictures", arguments.picture_folder, "Write a picture of each model there");
-    app.add_flag("--parameters", arguments.parameters, "F over filters, T1 and T3");
+    app.add_flag("--parameters", arguments.parameters, "Holes and F over filters, T1, T2 and T3");
     app.add_flag("--share", arguments.share, "The level of triangles that errs as much as the points do");
     app.add_option("--crowds", arguments.crowds, "Frame times of squares of that many instances a side");
-    app.footer("Example:\n  lodestream_bench_points sample:teapot bunny.ply --pictures out --crowds 5 11 17");
+    app.add_option("--pictures", arguments.picture_folder, "Write the pictures there");
+    app.add_option("--json", arguments.json_file, "Write a file for `lodestream-client report --points`");
+    app.footer("Example:\n  lodestream_bench_points bunny.ply --scores --crowds 5 11 17 --json points.json");
     CLI11_PARSE(app, argc, argv);
+    if (!arguments.parameters && !arguments.share && arguments.crowds.empty()) arguments.scores = true;
     try {
         lodestream::bench::Bench(std::move(arguments)).run();
     } catch (const std::exception& error) {

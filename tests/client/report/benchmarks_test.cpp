@@ -38,6 +38,23 @@ constexpr const char* two_codecs = R"({
      "image_rms": 0.0},
     {"codec": "plain", "setting": "fine", "bytes": 30, "encode_ms": 3.0, "decode_ms": 1.0, "image_rms": 0.5}]}]})";
 
+constexpr const char* points_of_a_bunny = R"({
+  "run": {"command": "bench --json <x>", "commit": "abc", "date": "2026-01-02T03:04:05Z", "cpu": "a CPU", "cores": 2},
+  "models": [{"model": "bunny", "triangles": 100,
+    "scores": [
+      {"level": "L0", "is_scaled": false, "points": 50, "instances": 3, "views": 2, "recall": 1.0, "precision": 0.5,
+       "f_measure": 0.7},
+      {"level": "all", "is_scaled": false, "points": 50, "instances": 8, "views": 2, "recall": 1.0, "precision": 0.9,
+       "f_measure": 0.95, "paper_f": 0.9}],
+    "settings": [
+      {"varied": "side", "filter": "median", "slices": 100, "side": 20, "point_size": 1.0, "points": 40, "holes": 12,
+       "hole_px": 30, "views": 4, "recall": 1.0, "precision": 0.9, "f_measure": 0.95},
+      {"varied": "filter", "filter": "none", "slices": 100, "side": 100, "point_size": 0.5, "points": 40, "holes": 8,
+       "hole_px": 30, "views": 4, "recall": 1.0, "precision": 0.9, "f_measure": 0.95}],
+    "crowds": [{"instances": 25, "full_triangles": 2500, "points": 200, "full_ms": 12.0, "points_ms": 4.0,
+                "paper_gain": 1.1}],
+    "pictures": [{"title": "crowd", "png": "aGk="}, {"title": "slices", "png": "aG8="}]}]})";
+
 class WithFile : public ::testing::Test {
   protected:
     std::filesystem::path holding(const std::string& text) const {
@@ -58,6 +75,11 @@ class Methods : public WithFile {
 class Codecs : public WithFile {
   protected:
     Result<proto::CodecRun> read(const std::string& text) const { return read_codecs(holding(text)); }
+};
+
+class PointRuns : public WithFile {
+  protected:
+    Result<proto::PointsRun> read(const std::string& text) const { return read_points(holding(text)); }
 };
 
 TEST_F(Methods, AreReadWithWhereTheyWereMeasured) {
@@ -93,12 +115,16 @@ TEST_F(Methods, AnythingElseIsRefusedWithItsPlace) {
     EXPECT_EQ(read_methods("/nowhere/methods.json").error().code, ErrorCode::io);
 }
 
-// The column of this key in the first row.
-double first_number(const Table& table, const std::string& key) {
+// The cell of this key in the first row.
+Cell first_cell(const Table& table, const std::string& key) {
     for (std::size_t c = 0; c < table.columns.size(); ++c)
-        if (table.columns[c].key == key) return std::get<double>(table.rows.at(0).at(c));
+        if (table.columns[c].key == key) return table.rows.at(0).at(c);
     ADD_FAILURE() << "no column " << key;
-    return not_known;
+    return {};
+}
+
+double first_number(const Table& table, const std::string& key) {
+    return std::get<double>(first_cell(table, key));
 }
 
 TEST_F(Codecs, AreComparedAtTheReferencesError) {
@@ -116,6 +142,58 @@ TEST_F(Codecs, AreComparedAtTheReferencesError) {
     EXPECT_EQ(section.plots.size() + section.folded_plots.size(), 3u);  // decoding, and a model each
     EXPECT_THAT(section.text_html, HasSubstr("bench --sweep &lt;x&gt;"));
     EXPECT_EQ(sections(data).size(), sections(testing::report_data()).size() + 1);
+}
+
+TEST_F(PointRuns, ShowTheWholeCrowdBesideThePapersAndKeepEveryLevelAsARow) {
+    const Result<proto::PointsRun> run = read(points_of_a_bunny);
+    ASSERT_TRUE(run) << run.error().message;
+    const Section section = points_scores_section(*run);
+    EXPECT_EQ(section.rows.rows.size(), 2u);
+    ASSERT_TRUE(section.shown);
+    ASSERT_EQ(section.shown->rows.size(), 1u);
+    EXPECT_EQ(first_cell(*section.shown, "f_measure"), Cell(0.95));
+    EXPECT_EQ(first_cell(*section.shown, "paper_f"), Cell(0.9));
+    EXPECT_THAT(section.text_html, HasSubstr("bench --json &lt;x&gt;"));
+    ASSERT_EQ(section.strips.size(), 1u);
+    EXPECT_EQ(section.strips[0].png_base64, "aGk=");
+}
+
+TEST_F(PointRuns, PlotHolesOverWhatIsVaried) {
+    const Section section = points_settings_section(*read(points_of_a_bunny));
+    EXPECT_EQ(section.rows.rows.size(), 2u);
+    ASSERT_EQ(section.plots.size(), 6u);  // holes and F over T3, T1 and T2
+    ASSERT_EQ(section.plots[0].series.size(), 1u);
+    ASSERT_EQ(section.plots[0].series[0].points.size(), 1u);
+    EXPECT_EQ(section.plots[0].series[0].points[0].x, 20.0);
+    EXPECT_EQ(section.plots[0].series[0].points[0].y, 3.0);
+    ASSERT_TRUE(section.shown);
+    EXPECT_EQ(first_cell(*section.shown, "filter"), Cell("none"));
+    EXPECT_EQ(section.strips.size(), 1u);
+}
+
+TEST_F(PointRuns, TellTheGainBesideThePapers) {
+    const Section section = points_crowds_section(*read(points_of_a_bunny));
+    EXPECT_EQ(first_cell(section.rows, "gain"), Cell(3.0));
+    EXPECT_EQ(first_cell(section.rows, "paper_gain"), Cell(1.1));
+}
+
+TEST_F(PointRuns, AreSectionsOnlyOfWhatWasMeasured) {
+    ReportData data = testing::report_data();
+    data.points = *read(points_of_a_bunny);
+    EXPECT_EQ(sections(data).size(), sections(testing::report_data()).size() + 3);
+    data.points->crowds.clear();
+    EXPECT_EQ(sections(data).size(), sections(testing::report_data()).size() + 2);
+}
+
+TEST_F(PointRuns, AnythingElseIsRefusedWithItsPlace) {
+    std::string not_base64 = points_of_a_bunny;
+    not_base64.replace(not_base64.find("aGk="), 4, "\\\"><b");
+    for (const std::string& text : {std::string("{}"), std::string(R"({"models": [{"scores": 3}]})"), not_base64}) {
+        const Result<proto::PointsRun> refused = read(text);
+        ASSERT_FALSE(refused) << text;
+        EXPECT_EQ(refused.error().code, ErrorCode::invalid_input);
+        EXPECT_THAT(refused.error().message, HasSubstr("benchmark.json"));
+    }
 }
 
 TEST_F(Codecs, AnErrorThatNoSettingReachesIsNotKnown) {

@@ -50,6 +50,42 @@ TEST(Mask, CountsWhatTwoShare) {
     EXPECT_FALSE(a.at(68, 0));
 }
 
+// '#': covered
+Mask drawn_as(std::initializer_list<std::string_view> rows) {
+    Mask mask(static_cast<std::uint32_t>(rows.begin()->size()), static_cast<std::uint32_t>(rows.size()));
+    std::uint32_t y = 0;
+    for (const std::string_view row : rows) {
+        for (std::uint32_t x = 0; x < row.size(); ++x)
+            if (row[x] == '#') mask.set(x, y);
+        ++y;
+    }
+    return mask;
+}
+
+TEST(Holes, AreWhatIsMissingInsideAndNotAtTheOutline) {
+    const Mask full = drawn_as({".......",  //
+                                ".#####.",  //
+                                ".#####.",  //
+                                ".#####.",  //
+                                "......."});
+    const Mask drawn = drawn_as({".......",  //
+                                 ".####..",  //
+                                 ".#..##.",  //
+                                 "..####.",  //
+                                 "......#"});
+    const Holes holes = holes_in(drawn, full);
+    EXPECT_EQ(holes.count, 1u);
+    EXPECT_EQ(holes.pixels, 2u);
+}
+
+TEST(Holes, ThatReachThePicturesEdgeOrTheOutlineAreNone) {
+    const Mask full = drawn_as({"####", "####", "####"});
+    EXPECT_EQ(holes_in(drawn_as({"####", "#..#", "####"}), full).count, 1u);
+    EXPECT_EQ(holes_in(drawn_as({"####", "#...", "####"}), full).count, 0u);
+    EXPECT_EQ(holes_in(full, full).count, 0u);
+    EXPECT_EQ(holes_in(drawn_as({"####", "#.##", "##.#"}), full).count, 1u);  // a corner joins nothing
+}
+
 TEST(SilhouetteTree, CoversThePixelsWhoseCentresATriangleHolds) {
     shading::View view;
     view.eye = {0, 0, 1};

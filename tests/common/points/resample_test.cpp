@@ -213,6 +213,19 @@ TEST(View, FiltersCloseAHole) {
     EXPECT_EQ(holes_closed(HoleFilter::none), 0);
     EXPECT_EQ(holes_closed(HoleFilter::median), 1);
     EXPECT_EQ(holes_closed(HoleFilter::gaussian), 1);
+    EXPECT_EQ(holes_closed(HoleFilter::opposites), 1);
+}
+
+TEST(View, OppositesCloseACrackBetweenThinSidesThatTheMedianLeavesOpen) {
+    const std::vector<Hit> sides{{11, 3.0f, 0}, {13, 3.5f, 1}};
+    const auto closed_at = [&](HoleFilter filter) {
+        std::vector<float> depths;
+        for (const Sample& sample : sampled(sides, {5, 5, 1.0}, filter))
+            if (sample.fills_a_hole) depths.push_back(sample.hit.depth);
+        return depths;
+    };
+    EXPECT_EQ(closed_at(HoleFilter::median), std::vector<float>{});
+    EXPECT_EQ(closed_at(HoleFilter::opposites), std::vector<float>{3.25f});
 }
 
 TEST(View, FiltersKeepAWindowOpen) {
@@ -221,7 +234,7 @@ TEST(View, FiltersKeepAWindowOpen) {
         const std::uint32_t x = hit.pixel % 5, y = hit.pixel / 5;
         return x >= 1 && x <= 3 && y >= 1 && y <= 3;
     });
-    for (const HoleFilter filter : {HoleFilter::median, HoleFilter::gaussian})
+    for (const HoleFilter filter : {HoleFilter::median, HoleFilter::gaussian, HoleFilter::opposites})
         for (const Sample& sample : sampled(hits, {5, 5, 1.0}, filter)) EXPECT_NE(sample.hit.pixel, 12u);
 }
 
