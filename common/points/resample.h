@@ -34,6 +34,8 @@ inline constexpr double samples_per_pixel = 2.0;  // along a side: finer ones co
 Parameters choose_parameters(const mesh::Mesh& mesh, std::uint64_t budget, std::uint32_t pixels = 0);
 
 // How a hole in a slice is told from the space around: by what its eight neighbours show within a slice of each other.
+// Pixels here show what lies at their centres exactly, so few holes are left to close: on the paper's five models each
+// filter thickens outlines more than it closes holes (lodestream_bench_points --parameters), the median most.
 enum class HoleFilter {
     none,
     median,    // the paper's choice: five neighbours, at the median of their depths
@@ -45,7 +47,7 @@ enum class HoleFilter {
 using ColorAt = std::function<Rgba8(std::size_t triangle, const Vec3f& weights)>;
 
 struct ResampleOptions {
-    HoleFilter filter = HoleFilter::median;
+    HoleFilter filter = HoleFilter::none;
     ColorAt color;  // called from any thread; empty: the mesh's own colours, where it has them
     simplify::Executor executor;
 };

@@ -61,6 +61,7 @@ class Reader {
         if (scene_.instances.empty() && !document_.json.meshes.empty())
             return invalid_input("has meshes but no node that shows one");
         const auto& all = scene_.instances;
+        soup_.may_be_cloud = std::ranges::none_of(all, [&](const GltfInstance& i) { return has_triangles(i.mesh); });
         for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
             while (end < all.size() && all[end].mesh == all[begin].mesh) ++end;
             if (const Status read = read_mesh(begin, std::span(all).subspan(begin, end - begin)); !read) return read;
@@ -78,6 +79,11 @@ class Reader {
             if (!is_handled_gltf_extension(extension)) soup_.warn("extension " + extension.substr(0, 64) + " ignored");
         if (document_.has_animations) soup_.warn("animations left out: taken in the rest pose");
         if (!document_.json.skins.empty()) soup_.warn("skins taken in the rest pose");
+    }
+
+    bool has_triangles(int mesh) const {
+        return std::ranges::any_of(document_.json.meshes[static_cast<std::size_t>(mesh)].primitives,
+                                   [](const tinygltf::Primitive& p) { return p.mode >= TINYGLTF_MODE_TRIANGLES; });
     }
 
     // `first`: which object the first instance is.
@@ -98,13 +104,18 @@ class Reader {
 
     Status add_primitive(const tinygltf::Primitive& from, const std::vector<double>& weights, std::size_t first,
                          std::span<const GltfInstance> instances) {
+        if (from.mode < TINYGLTF_MODE_POINTS || from.mode > TINYGLTF_MODE_TRIANGLE_FAN)
+            return invalid_input("states the unknown mode " + std::to_string(from.mode));
+        if (from.mode < TINYGLTF_MODE_TRIANGLES && !(soup_.may_be_cloud && from.mode == TINYGLTF_MODE_POINTS)) {
+            if (from.attributes.count("POSITION") > 0) ++soup_.other_primitives;
+            return Nothing{};
+        }
         const Result<GltfMaterialUse> use = materials_.use(from.material);
         if (!use) return use.error();
         const Result<GltfPrimitive> primitive =
             read_primitive(from, weights, use->coordinates, accessors_, source_.limits);
         if (!primitive) return primitive.error();
         if (!from.targets.empty()) soup_.warn("morph targets taken in the rest pose: at their default weights");
-        soup_.other_primitives += primitive->points_and_lines;
         const std::uint64_t copies = instances.size();
         if (const Status fits = admit(soup_.positions.size() + copies * primitive->positions.size(),
                                       soup_.triangles.size() + copies * primitive->triangles.size(), source_.limits);
@@ -137,6 +148,7 @@ class Reader {
             if (!primitive.texture_coordinates.empty())
                 soup_.set_texture_coordinate(v, primitive.texture_coordinates[i]);
             if (!primitive.colors.empty()) soup_.set_color(v, primitive.colors[i]);
+            if (primitive.triangles.empty()) tint(v, soup_.materials[material].base_color);
         }
         for (const auto& [a, b, c] : primitive.triangles) {
             if (transform.mirrors)
@@ -145,6 +157,13 @@ class Reader {
                 soup_.add_triangle({first + a, first + b, first + c}, material);
         }
         return Nothing{};
+    }
+
+    // A cloud has one material, so a point's colour has its own in it.
+    void tint(std::uint32_t vertex, const Vec4f& base_color) {
+        if (base_color == Vec4f(1.0f)) return;
+        const Rgba8 own = vertex < soup_.colors.size() ? soup_.colors[vertex] : Rgba8(255);
+        soup_.set_color(vertex, quantized(Vec4f(own) / 255.0f * base_color));
     }
 
     // The weighted mean of the joints' matrices; of the unit matrix where no weight is left.

@@ -94,6 +94,20 @@ Result<std::vector<mesh::Triangle>> read_triangles(const tinygltf::Primitive& pr
     return assembled(primitive.mode, order);
 }
 
+Status read_faces(const tinygltf::Primitive& primitive, const Attributes& attributes, GltfAccessors& accessors,
+                  GltfPrimitive& to) {
+    Result<std::vector<mesh::Triangle>> triangles =
+        read_triangles(primitive, attributes, to.positions.size(), accessors);
+    if (!triangles) return triangles.error();
+    for (const mesh::Triangle& t : *triangles)
+        for (const std::uint32_t v : t)
+            if (v >= to.positions.size())
+                return invalid_input("has the index " + std::to_string(v) + " but only " +
+                                     std::to_string(to.positions.size()) + " vertices");
+    to.triangles = std::move(*triangles);
+    return Nothing{};
+}
+
 Status read_optional_attributes(Attributes& attributes, const GltfTextureCoordinates& coordinates, GltfPrimitive& to) {
     const std::size_t n = to.positions.size();
     if (attributes.has("NORMAL")) {
@@ -162,14 +176,8 @@ Result<GltfPrimitive> read_primitive(const tinygltf::Primitive& primitive, const
                                      const GltfTextureCoordinates& coordinates, GltfAccessors& accessors,
                                      const Limits& limits) {
     GltfPrimitive out;
-    if (primitive.mode < TINYGLTF_MODE_POINTS || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
-        return invalid_input("states the unknown mode " + std::to_string(primitive.mode));
     Attributes attributes(primitive, accessors);
     if (!attributes.has("POSITION")) return out;
-    if (primitive.mode < TINYGLTF_MODE_TRIANGLES) {
-        out.points_and_lines = 1;
-        return out;
-    }
     const auto extension = primitive.extensions.find(draco_extension);
     if (extension != primitive.extensions.end())
         if (const Status opened = attributes.open_draco(extension->second, limits); !opened) return opened.error();
@@ -178,15 +186,8 @@ Result<GltfPrimitive> read_primitive(const tinygltf::Primitive& primitive, const
     if (!positions) return positions.error();
     out.positions = vectors<Vec3f>(*positions);
     if (const Status read = read_optional_attributes(attributes, coordinates, out); !read) return read.error();
-    Result<std::vector<mesh::Triangle>> triangles =
-        read_triangles(primitive, attributes, out.positions.size(), accessors);
-    if (!triangles) return triangles.error();
-    for (const mesh::Triangle& t : *triangles)
-        for (const std::uint32_t v : t)
-            if (v >= out.positions.size())
-                return invalid_input("has the index " + std::to_string(v) + " but only " +
-                                     std::to_string(out.positions.size()) + " vertices");
-    out.triangles = std::move(*triangles);
+    if (primitive.mode >= TINYGLTF_MODE_TRIANGLES)
+        if (const Status read = read_faces(primitive, attributes, accessors, out); !read) return read.error();
     if (const Status morphed = apply_morphs(primitive, morph_weights, accessors, out); !morphed) return morphed.error();
     return out;
 }

@@ -8,7 +8,7 @@
 
 namespace lodestream::importer {
 
-// A primitive of triangles in its mesh's own space. Attributes are empty or along positions.
+// A primitive of triangles or points in its mesh's own space. Attributes are empty or along positions.
 struct GltfPrimitive {
     std::vector<Vec3f> positions;
     std::vector<Vec3f> normals;
@@ -16,8 +16,7 @@ struct GltfPrimitive {
     std::vector<Rgba8> colors;
     std::vector<Vec4f> joints;  // of the skin, four a vertex
     std::vector<Vec4f> weights;
-    std::vector<mesh::Triangle> triangles;
-    std::uint64_t points_and_lines = 0;  // 1 for a primitive that is none of triangles
+    std::vector<mesh::Triangle> triangles;  // empty: points
 };
 
 // Morph targets are applied at the weights given (the mesh's defaults). Draco, sparse and quantized data are expanded.

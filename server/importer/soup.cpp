@@ -186,6 +186,16 @@ std::string counted(std::uint64_t n, const char* one, const char* many) {
     return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
+std::string left_out(std::uint64_t points_and_lines) {
+    return counted(points_and_lines, "point or line", "points and lines") + " left out";
+}
+
+Result<mesh::Model> with_printable_warnings(mesh::Model model, std::vector<std::string> warnings) {
+    Result<mesh::Model> result(std::move(model));
+    for (std::string& warning : warnings) result.warnings.push_back(printable(std::move(warning)));
+    return result;
+}
+
 Error nothing_left(const Soup& soup, std::uint64_t read_triangles) {
     const std::uint64_t faces = read_triangles + soup.unreadable_faces + soup.out_of_range_faces;
     if (faces > 0)
@@ -226,11 +236,10 @@ Result<mesh::Model> finish_cloud(Soup soup) {
         normals.clear();
         soup.warnings.push_back("normals left out: some points have none");
     }
-    Result<mesh::Model> result(std::move(model));
-    result.warnings = std::move(soup.warnings);
-    if (const std::uint64_t dropped = read - result->mesh.positions.size(); dropped > 0)
-        result.warnings.push_back(counted(dropped, "point", "points") + " dropped: coordinates not finite");
-    return result;
+    if (soup.other_primitives > 0) soup.warnings.push_back(left_out(soup.other_primitives));
+    const std::uint64_t dropped = read - model.mesh.positions.size();
+    if (dropped > 0) soup.warnings.push_back(counted(dropped, "point", "points") + " dropped: coordinates not finite");
+    return with_printable_warnings(std::move(model), std::move(soup.warnings));
 }
 
 }  // namespace
@@ -365,12 +374,9 @@ Result<mesh::Model> finish(Soup soup, const Limits& limits) {
     dropped(degenerate, "fewer than three different positions");
     dropped(soup.out_of_range_faces, "vertex index out of range");
     dropped(soup.unreadable_faces, "fewer than three readable corners");
-    if (soup.other_primitives > 0)
-        soup.warnings.push_back(counted(soup.other_primitives, "point or line", "points and lines") + " left out");
+    if (soup.other_primitives > 0) soup.warnings.push_back(left_out(soup.other_primitives));
     for (mesh::Material& material : model.materials) material.name = printable(std::move(material.name));
-    Result<mesh::Model> result(std::move(model));
-    for (std::string& warning : soup.warnings) result.warnings.push_back(printable(std::move(warning)));
-    return result;
+    return with_printable_warnings(std::move(model), std::move(soup.warnings));
 }
 
 }  // namespace lodestream::importer

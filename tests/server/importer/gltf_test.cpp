@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include "common/codec/points_codec.h"
 #include "tests/server/importer/gltf_builder.h"
 #include "tests/server/importer/sane.h"
 
@@ -43,10 +44,63 @@ TEST(ImportGltf, ReadsStripsAndFansInTheirDirection) {
     }
 }
 
-TEST(ImportGltf, PointsAndLinesAreLeftOut) {
-    const std::string points = "{\"mode\":0,\"attributes\":{\"POSITION\":0}}";
-    const auto alone = import_glb(triangle_builder().glb("\"meshes\":[{\"primitives\":[" + points + "]}]," + one_node));
+const std::string points_primitive = "\"mode\":0,\"attributes\":{\"POSITION\":0}";
+
+TEST(ImportGltf, PointsWithoutTrianglesAreACloudInWorldCoordinates) {
+    const auto model = import_glb(triangle_builder().glb(
+        "\"meshes\":[{\"primitives\":[{" + points_primitive + "},{\"mode\":1,\"attributes\":{\"POSITION\":0}}]}]," +
+        "\"nodes\":[{\"mesh\":0,\"scale\":[2,2,2]}],\"scenes\":[{\"nodes\":[0]}],\"scene\":0"));
+    ASSERT_TRUE(model) << model.error().message;
+    EXPECT_EQ(model->kind, mesh::Kind::points);
+    EXPECT_TRUE(model->mesh.triangles.empty());
+    ASSERT_EQ(model->mesh.positions.size(), 3u);
+    EXPECT_EQ(Vec3d(model->mesh.positions[1]) + model->origin, Vec3d(2, 0, 0));
+    EXPECT_TRUE(model->mesh.colors.empty());
+    EXPECT_TRUE(mentions(model.warnings, "1 point or line left out"));
+}
+
+TEST(ImportGltf, PointsHaveTheirMaterialsColour) {
+    GltfBuilder b = triangle_builder();
+    b.accessor(b.view(floats({1, 1, 1, 0, 1, 0, 1, 1, 1})), gl_float, 3, "VEC3");
+    const auto model =
+        import_glb(b.glb(mesh_of("\"mode\":0,\"material\":0,\"attributes\":{\"POSITION\":0,\"COLOR_0\":1}") + "," +
+                         one_node + ",\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0.2,0,1]}}]"));
+    ASSERT_TRUE(model) << model.error().message;
+    ASSERT_EQ(model->mesh.colors.size(), 3u);
+    EXPECT_EQ(model->mesh.colors[0], Rgba8(255, 51, 0, 255));
+    EXPECT_EQ(model->mesh.colors[1], Rgba8(0, 51, 0, 255));
+}
+
+TEST(ImportGltf, PointsThatOurOwnEncoderWroteComeBack) {
+    codec::Points points;
+    points.cloud.positions = {{0.25f, 0, 0}, {1, 0.5f, 0}, {0, 1, 0.75f}};
+    points.cloud.normals = {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}};
+    points.origin = {1000, -2, 3};
+    Box box;
+    for (const Vec3f& p : points.cloud.positions) box.add(Vec3d(p));
+    points.grid = codec::point_grid(box);
+    points.levels = {{3, {}, 0.1}};
+    const auto encoded = codec::encode_points(points);
+    ASSERT_TRUE(encoded) << encoded.error().message;
+    const auto model = import_glb(std::string(reinterpret_cast<const char*>(encoded->glb.data()), encoded->glb.size()));
+    ASSERT_TRUE(model) << model.error().message;
+    EXPECT_EQ(model->kind, mesh::Kind::points);
+    ASSERT_EQ(model->mesh.positions.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3d there = Vec3d(points.cloud.positions[i]) + points.origin;
+        EXPECT_LT(length(Vec3d(model->mesh.positions[i]) + model->origin - there), 1e-4);
+        EXPECT_EQ(model->mesh.normals[i], points.cloud.normals[i]);
+    }
+}
+
+TEST(ImportGltf, LinesAloneAreRefused) {
+    const auto alone = import_glb(triangle_builder().glb(
+        "\"meshes\":[{\"primitives\":[{\"mode\":1,\"attributes\":{\"POSITION\":0}}]}]," + one_node));
     EXPECT_THAT(alone.error().message, HasSubstr("but no triangles"));
+}
+
+TEST(ImportGltf, PointsBesideTrianglesAreLeftOut) {
+    const std::string points = "{" + points_primitive + "}";
     const auto beside = import_glb(triangle_builder().glb("\"meshes\":[{\"primitives\":[" + points +
                                                           ",{\"attributes\":{\"POSITION\":0}}]}]," + one_node));
     ASSERT_TRUE(beside.ok());
