@@ -20,6 +20,7 @@
 #include "server/bake/executor.h"
 #include "server/importer/importer.h"
 #include "server/samples/samples.h"
+#include "tests/bench/point_codecs.h"
 #include "tests/bench/points_json.h"
 #include "tests/bench/points_paper.h"
 #include "tests/bench/table.h"
@@ -38,6 +39,7 @@ struct Arguments {
     bool scores = false;
     bool parameters = false;
     bool share = false;
+    bool codecs = false;
     std::vector<std::uint32_t> crowds;
     std::string picture_folder, json_file, command_line;
 };
@@ -76,6 +78,11 @@ mesh::Model load(const std::string& name) {
                                     : importer::import_file(name);
     if (!model) throw std::runtime_error(model.error().message);
     return *std::move(model);
+}
+
+double longest_side(const Box& box) {
+    const Vec3d extent = box.extent();
+    return std::max({extent.x, extent.y, extent.z});
 }
 
 double median(std::vector<double> values) {
@@ -202,6 +209,7 @@ class Bench {
             if (arguments_.scores) score(name);
             if (arguments_.parameters) vary(name);
             if (arguments_.share) compare_with_levels(name);
+            if (arguments_.codecs) compare_codecs(name);
             if (!arguments_.crowds.empty()) time_crowds(name);
             if (!arguments_.json_file.empty())
                 write_points_run(arguments_.json_file, arguments_.command_line, run_);  // what is done is kept
@@ -427,6 +435,26 @@ class Bench {
         std::cout << "\n" << name << ": points and triangles of the same picture error\n" << to_text(table);
     }
 
+    void compare_codecs(const std::string& name) {
+        const mesh::Model model = load(name);
+        const codec::Points all = make_cloud(model, levels_of(model.mesh, paper_of(name), 1.0)[0]);
+        std::vector<TableRow> table{
+            {"points", "bits", "radius / step", "plain", "Draco", "in order", "meshopt", "in blocks", "in order"}};
+        const double longest = longest_side(mesh::bounds(model.mesh));
+        for (std::uint64_t points = 1000; points <= all.cloud.positions.size(); points *= 4)
+            for (const int bits : {16, 14, 12, 10}) {
+                const PointSizes sizes = point_sizes(points::prefix(all.cloud, points), bits);
+                const auto each = [&](std::uint64_t bytes) {
+                    return fixed(static_cast<double>(bytes) / static_cast<double>(points), 2);
+                };
+                table.push_back({std::to_string(points), std::to_string(bits),
+                                 fixed(points::level_of(all.levels, points).radius / longest * std::exp2(bits), 1),
+                                 each(sizes.plain), each(sizes.draco), each(sizes.draco_in_order), each(sizes.meshopt),
+                                 each(sizes.meshopt_blocks), each(sizes.meshopt_in_order)});
+            }
+        std::cout << "\n" << name << ": bytes a point\n" << to_text(table);
+    }
+
     // Frame times of a square of instances, full models against points by distance.
     void time_crowds(const std::string& name) {
         const mesh::Model model = load(name);
@@ -545,12 +573,14 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     app.add_flag("--parameters", arguments.parameters, "Holes and F over filters, T1, T2 and T3");
     app.add_flag("--share", arguments.share, "The level of triangles that errs as much as the points do");
+    app.add_flag("--codecs", arguments.codecs, "Bytes of levels by other codecs");
     app.add_option("--crowds", arguments.crowds, "Frame times of squares of that many instances a side");
     app.add_option("--pictures", arguments.picture_folder, "Write the pictures there");
     app.add_option("--json", arguments.json_file, "Write a file for `lodestream-client report --points`");
     app.footer("Example:\n  lodestream_bench_points bunny.ply --scores --crowds 5 11 17 --json points.json");
     CLI11_PARSE(app, argc, argv);
-    if (!arguments.parameters && !arguments.share && arguments.crowds.empty()) arguments.scores = true;
+    if (!arguments.parameters && !arguments.share && !arguments.codecs && arguments.crowds.empty())
+        arguments.scores = true;
     try {
         lodestream::bench::Bench(std::move(arguments)).run();
     } catch (const std::exception& error) {
