@@ -35,8 +35,19 @@ struct Group {
     // Of the frame at hand.
     bool is_shown = true;
     Share share;
-    bool is_fading() const { return share.from > 0.0 || share.to < 1.0; }
 };
+
+bool is_whole(const Share& share) {
+    return share.from <= 0.0 && share.to >= 1.0;
+}
+
+Share both(const Share& a, const Share& b) {
+    return {std::max(a.from, b.from), std::min(a.to, b.to)};
+}
+
+bool is_valid(const Share& share) {
+    return share.from >= 0.0 && share.to <= 1.0;  // not NaN
+}
 
 // What one draw call needs.
 struct Batch {
@@ -82,8 +93,7 @@ void flip_rows(Image& image) {
 }  // namespace
 
 struct Renderer::Impl {
-    std::array<Program, styles> programs;
-    std::array<Program, 2> fading_programs;  // Gouraud and flat
+    std::array<Program, styles> programs, fading_programs;
     GLuint white_texture = 0;
     bool has_sample_shading = false;  // OpenGL ES 3.2
     float max_point_px = 1.0f;
@@ -104,6 +114,7 @@ struct Renderer::Impl {
         GLsizei points = 0;
         float radius = 0.0f;  // of its discs, scene coordinates
         bool as_quads = false;
+        Share share;
     };
     std::vector<Shown> shown;  // the instances of the frame at hand that its picture may show
     Sent sent;                 // of the frame at hand
@@ -145,12 +156,13 @@ struct Renderer::Impl {
                     const shading::Phong& phong) const;
     void bind_texture(GLenum unit, const mesh::TextureReference& reference, const Group& group) const;
     void set_material(const Program& program, const mesh::Material& material, const Group& group) const;
-    const Program& use_program(Style style, const Group& group) const;
-    void draw_batch(const Program& program, const Batch& batch, Style style);
+    void set_share(const Program& program, const Share& share) const;
+    bool is_drawn(const Shown& instance, const Batch& batch, Style style, bool fades) const;
+    void draw_batch(const Program& program, const Batch& batch, Style style, bool fades);
     void draw_discs(const Program& program, const Shown& instance);
     Status expose(const shading::View& view, const DrawOptions& options, const Sphere& scene);
-    void draw_exposures(const Program& program, const Batch& batch, Style style);
-    void draw_batch_as(Style style, const Batch& batch);
+    void draw_exposures(const Program& program, const Batch& batch, Style style, bool fades);
+    void draw_batch_as(Style style, const Batch& batch, bool fades);
     bool needs_quads(const Sphere& centers, double radius, const Camera& camera) const;
     void sort_blended();
     void draw_frame(const std::vector<Vec4f>& lights, const DrawOptions& options);
@@ -162,22 +174,17 @@ Status Renderer::Impl::create() {
     if (driver_version() < 30) return fail(ErrorCode::unavailable, "the current context is not OpenGL ES 3");
     gl_failed();
     has_sample_shading = driver_version() >= 32;
-    constexpr std::array<const char*, styles> heads{SHADER_300 "\n", SHADER_300 "#define FLAT\n",
-                                                    SHADER_300 "#define DISCS\n",
-                                                    SHADER_300 "#define DISCS\n#define QUADS\n"};
+    constexpr std::array<const char*, styles> heads{"", "#define FLAT\n", "#define DISCS\n",
+                                                    "#define DISCS\n#define QUADS\n"};
+    const std::string fading =
+        has_sample_shading ? SHADER_320 "#define FADING\n#define SAMPLES\n" : SHADER_300 "#define FADING\n";
     for (std::size_t i = 0; i < styles; ++i) {
-        auto program = link(heads[i]);
+        auto program = link((std::string(SHADER_300) + heads[i]).c_str());
         if (!program) return program.error();
         programs[i] = *program;
-    }
-    constexpr std::array<const char*, 2> fading{SHADER_300 "#define FADING\n",
-                                                SHADER_300 "#define FLAT\n#define FADING\n"};
-    constexpr std::array<const char*, 2> fading_samples{SHADER_320 "#define FADING\n#define SAMPLES\n",
-                                                        SHADER_320 "#define FLAT\n#define FADING\n#define SAMPLES\n"};
-    for (std::size_t i = 0; i < fading_programs.size(); ++i) {
-        auto program = link(has_sample_shading ? fading_samples[i] : fading[i]);
-        if (!program) return program.error();
-        fading_programs[i] = *program;
+        auto fading_program = link((fading + heads[i]).c_str());
+        if (!fading_program) return fading_program.error();
+        fading_programs[i] = *fading_program;
     }
     const std::array<std::uint8_t, 4> white{255, 255, 255, 255};
     white_texture = make_texture(1, 1, white.data());
@@ -395,8 +402,10 @@ Status Renderer::Impl::check(const DrawOptions& options) const {
     if (options.frames == 0) return invalid_input("frames must be at least 1");
     if (options.lights.size() > max_lights)
         return fail(ErrorCode::limit_exceeded, "at most " + std::to_string(max_lights) + " lights");
-    for (const Instance& instance : options.instances)
+    for (const Instance& instance : options.instances) {
         if (!all_finite(instance.offset)) return invalid_input("an instance needs a finite offset");
+        if (!is_valid(instance.share)) return invalid_input("an instance's share is not in [0, 1]");
+    }
     for (const Light& light : options.lights)
         if (!all_finite(light.direction) || light.direction == Vec3d{0.0} || !(light.intensity >= 0.0) ||
             !std::isfinite(light.intensity))
@@ -459,12 +468,19 @@ void Renderer::Impl::draw_discs(const Program& program, const Shown& instance) {
     sent.points += static_cast<std::uint64_t>(instance.points);
 }
 
-void Renderer::Impl::draw_batch(const Program& program, const Batch& batch, Style style) {
+bool Renderer::Impl::is_drawn(const Shown& instance, const Batch& batch, Style style, bool fades) const {
+    if (batch.style == Style::points && instance.as_quads != (style == Style::quads)) return false;
+    const Share share = both(batch.group->share, instance.share);
+    return share.from < share.to && fades != is_whole(share);
+}
+
+void Renderer::Impl::draw_batch(const Program& program, const Batch& batch, Style style, bool fades) {
     const auto offset = static_cast<std::uintptr_t>(batch.first) * sizeof(std::uint32_t);
     const bool is_cloud = batch.style == Style::points;
     glBindVertexArray(batch.vertices.id);
     for (const Shown& instance : shown) {
-        if (is_cloud && instance.as_quads != (style == Style::quads)) continue;
+        if (!is_drawn(instance, batch, style, fades)) continue;
+        if (fades) set_share(program, both(batch.group->share, instance.share));
         glUniform3f(program.offset, instance.offset.x, instance.offset.y, instance.offset.z);
         ++sent.draw_calls;
         if (is_cloud) {
@@ -476,19 +492,13 @@ void Renderer::Impl::draw_batch(const Program& program, const Batch& batch, Styl
     }
 }
 
-// A fading batch's thresholds are counted in whole steps of the dither, so that no rounding shows one twice or never.
-const Program& Renderer::Impl::use_program(Style style, const Group& group) const {
-    const bool fades = group.is_fading();
-    const auto index = static_cast<std::size_t>(style);
-    const Program& program = fades ? fading_programs[index] : programs[index];
-    glUseProgram(program.id);
-    if (!fades) return program;
+// Thresholds are counted in whole steps of the dither, so that no rounding shows one twice or never.
+void Renderer::Impl::set_share(const Program& program, const Share& share) const {
     const GLint samples = has_sample_shading ? static_cast<GLint>(target.samples) : 1;
     const auto step = [&](double threshold) {
         return static_cast<GLint>(std::lround(threshold * dither_steps * samples));
     };
-    glUniform3i(program.share, step(group.share.from), step(group.share.to), samples);
-    return program;
+    glUniform3i(program.share, step(share.from), step(share.to), samples);
 }
 
 // Points are cheaper, but no larger than the driver allows, and gone where their centre is outside the picture.
@@ -516,8 +526,7 @@ Status Renderer::Impl::show_parts(const DrawOptions& options) {
         const auto found = parts.find(drawn.part);
         if (found == parts.end())
             return invalid_input("part " + std::to_string(drawn.part) + " is not there to be drawn");
-        if (!(drawn.share.from >= 0.0 && drawn.share.to <= 1.0))
-            return invalid_input("a part's share is not in [0, 1]");
+        if (!is_valid(drawn.share)) return invalid_input("a part's share is not in [0, 1]");
         Group& group = found->second;
         group.share = drawn.share;
         group.is_shown =
@@ -533,12 +542,13 @@ void Renderer::Impl::show(const DrawOptions& options, const std::vector<Sphere>&
     for (std::size_t i = 0; i < spheres.size(); ++i) {
         const std::uint64_t points = std::min(options.instances[i].points, level.uploaded.points);
         if (points == 0 && level.uploaded.points > 0) continue;
+        const Share& share = options.instances[i].share;
         const double radius = disc_radius(points);
         const Sphere all{spheres[i].center, spheres[i].radius + radius};
         const auto is_large = [&](const Camera& camera) { return needs_quads(spheres[i], radius, camera); };
         if (!may_see(all)) continue;
         const bool as_quads = points > 0 && std::any_of(exposures.begin(), exposures.end(), is_large);
-        shown.push_back({Vec3f(all.center), static_cast<GLsizei>(points), static_cast<float>(radius), as_quads});
+        shown.push_back({Vec3f(all.center), static_cast<GLsizei>(points), static_cast<float>(radius), as_quads, share});
     }
 }
 
@@ -558,8 +568,8 @@ Status Renderer::Impl::expose(const shading::View& view, const DrawOptions& opti
 }
 
 // Every exposure writes to its own samples alone, depth included; resolving them makes the mean.
-void Renderer::Impl::draw_exposures(const Program& program, const Batch& batch, Style style) {
-    if (exposures.size() == 1) return draw_batch(program, batch, style);
+void Renderer::Impl::draw_exposures(const Program& program, const Batch& batch, Style style, bool fades) {
+    if (exposures.size() == 1) return draw_batch(program, batch, style, fades);
     glEnable(GL_SAMPLE_MASK);
     for (std::size_t i = 0; i < exposures.size(); ++i) {
         GLbitfield samples = 0;
@@ -568,7 +578,7 @@ void Renderer::Impl::draw_exposures(const Program& program, const Batch& batch, 
         const Camera& camera = exposures[i];
         glUniformMatrix4fv(program.clip_from_scene, 1, GL_FALSE, &camera.clip_from_scene[0][0]);
         glUniform3f(program.eye, camera.eye.x, camera.eye.y, camera.eye.z);
-        if (camera.sees_scene) draw_batch(program, batch, style);
+        if (camera.sees_scene) draw_batch(program, batch, style, fades);
     }
     glDisable(GL_SAMPLE_MASK);
 }
@@ -581,12 +591,15 @@ void Renderer::Impl::sort_blended() {
                      [&](const Batch& a, const Batch& b) { return dot(a.center, forward) > dot(b.center, forward); });
 }
 
-void Renderer::Impl::draw_batch_as(Style style, const Batch& batch) {
-    const Program& program = use_program(style, *batch.group);
+void Renderer::Impl::draw_batch_as(Style style, const Batch& batch, bool fades) {
+    if (std::none_of(shown.begin(), shown.end(), [&](const Shown& s) { return is_drawn(s, batch, style, fades); }))
+        return;
+    const Program& program = (fades ? fading_programs : programs)[static_cast<std::size_t>(style)];
+    glUseProgram(program.id);
     const bool samples_apart = batch.style == Style::points && target.samples > 1 && has_sample_shading;
     set_material(program, batch.group->materials[batch.material], *batch.group);
     if (samples_apart) glEnable(GL_SAMPLE_SHADING);
-    draw_exposures(program, batch, style);
+    draw_exposures(program, batch, style, fades);
     if (samples_apart) glDisable(GL_SAMPLE_SHADING);
 }
 
@@ -609,8 +622,10 @@ void Renderer::Impl::draw_frame(const std::vector<Vec4f>& lights, const DrawOpti
         glVertexAttrib3f(location_normal_or_previous, 0.0f, 0.0f, 0.0f);
         for (const Batch& batch : batches) {
             if (batch.corners == 0 || !batch.group->is_shown) continue;
-            draw_batch_as(batch.style, batch);
-            if (batch.style == Style::points) draw_batch_as(Style::quads, batch);
+            for (const bool fades : {false, true}) {
+                draw_batch_as(batch.style, batch, fades);
+                if (batch.style == Style::points) draw_batch_as(Style::quads, batch, fades);
+            }
         }
         glBindVertexArray(0);
         glUseProgram(0);

@@ -21,8 +21,9 @@
 // A scene may be put together of parts that come and go, such as a tileset's tiles. Levels fade into each other by
 // dither: every sample of the canvas has a threshold in [0, 1) that stays where it is, a different one for each sample
 // of a square of 8 by 8 pixels, and a part is drawn at the samples whose thresholds are in its share. Parts whose
-// shares together are [0, 1) so show exactly one of them at every sample. Where the driver tells samples apart (OpenGL
-// ES 3.2) a pixel goes over in as many steps as it has samples, else at once.
+// shares together are [0, 1) so show exactly one of them at every sample. Instances have shares too: the same place
+// with two levels of a cloud is a level that fades into another. Where the driver tells samples apart (OpenGL ES 3.2) a
+// pixel goes over in as many steps as it has samples, else at once.
 //
 // Numbers: the scene is moved to its bounding sphere's centre and scaled to radius 1 in double precision before
 // anything becomes float, so extents of 1e-9 or 1e9 and origins far away draw alike.
@@ -56,16 +57,17 @@ struct Light {
 
 inline constexpr std::uint64_t all_points = ~std::uint64_t{0};
 
+// Of the thresholds in [0, 1), those that a part or an instance is drawn at: from <= threshold < to.
+struct Share {
+    double from = 0.0;
+    double to = 1.0;
+};
+
 // The uploaded content once more at another place.
 struct Instance {
     Vec3d offset{0.0};                  // world axes, model units; in float once divided by the content's radius
     std::uint64_t points = all_points;  // of a cloud: the level, its first points; a mesh is drawn whole
-};
-
-// Of the thresholds in [0, 1), those that a part is drawn at: from <= threshold < to.
-struct Share {
-    double from = 0.0;
-    double to = 1.0;
+    Share share{};                      // of a scene's parts at thresholds that are in both
 };
 
 struct DrawnPart {

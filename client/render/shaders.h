@@ -1,5 +1,5 @@
-// The one pair of shaders, compiled plain (Gouraud), with FLAT, with DISCS and with DISCS and QUADS, the first two also
-// with FADING, there with SAMPLES where the driver can tell them apart; private to this folder.
+// The one pair of shaders, compiled plain (Gouraud), with FLAT, with DISCS and with DISCS and QUADS, each also with
+// FADING, there with SAMPLES where the driver can tell them apart; private to this folder.
 //
 // A disc is a square sprite around its centre: a point or, where drivers allow none so large, four corners. A fragment
 // is kept where the ray from the eye through it meets the disc's plane within its radius: with the centre c and the
