@@ -22,6 +22,22 @@ double eye_distance(const CrowdModel& model, const Vec3d& offset, const Vec3d& e
     return glm::length(model.bounds.center() + offset - eye) / model.bounds.radius();
 }
 
+// How far the next coarser level has come: 0 up to level_fade before its distance, 1 from there on.
+double coming(std::size_t level, double distance_radii) {
+    if (level + 1 == crowd_levels) return 0.0;
+    const double next = level_distances[level + 1];
+    return std::clamp(1.0 - (next - distance_radii) / (level_fade * next), 0.0, 1.0);
+}
+
+void add_instance(const CrowdModel& model, const Vec3d& offset, const Vec3d& eye, LevelChange change,
+                  std::vector<render::Instance>& crowd) {
+    const double distance = eye_distance(model, offset, eye);
+    const std::size_t level = level_at(distance);
+    const double next = change == LevelChange::fading ? coming(level, distance) : 0.0;
+    crowd.push_back({offset, model.levels[level], {next, 1.0}});
+    if (next > 0.0) crowd.push_back({offset, model.levels[level + 1], {0.0, next}});
+}
+
 // Of the same instances; a crowd's is what any of its parts covers.
 struct Silhouettes {
     Mask full, points;
@@ -41,7 +57,7 @@ class Scorer {
     Status add_view(const shading::View& view) {
         const std::array<std::uint32_t, 3> sides{options_.side, options_.side, options_.side};
         std::array<std::vector<render::Instance>, crowd_levels> parts;
-        for (const render::Instance& instance : crowd_of(model_, sides, options_.spacing, view.eye))
+        for (const render::Instance& instance : crowd_of(model_, sides, view.eye))
             parts[level_at(eye_distance(model_, instance.offset, view.eye))].push_back(instance);
         const Mask nothing(options_.canvas.width, options_.canvas.height);
         Silhouettes crowd{nothing, nothing};
@@ -108,21 +124,19 @@ SilhouetteScore match(const Mask& points, const Mask& full) {
 }
 
 std::vector<render::Instance> crowd_of(const CrowdModel& model, const std::array<std::uint32_t, 3>& sides,
-                                       double spacing, const Vec3d& eye) {
+                                       const Vec3d& eye, LevelChange change) {
     std::vector<render::Instance> crowd;
-    const double step = spacing * model.bounds.radius();
+    const double step = crowd_spacing * model.bounds.radius();
     const auto place = [&](std::uint32_t i, int axis) { return step * (i - 0.5 * (sides[axis] - 1.0)); };
     for (std::uint32_t x = 0; x < sides[0]; ++x)
         for (std::uint32_t y = 0; y < sides[1]; ++y)
-            for (std::uint32_t z = 0; z < sides[2]; ++z) {
-                const Vec3d offset(place(x, 0), place(y, 1), place(z, 2));
-                crowd.push_back({offset, model.levels[level_at(eye_distance(model, offset, eye))]});
-            }
+            for (std::uint32_t z = 0; z < sides[2]; ++z)
+                add_instance(model, {place(x, 0), place(y, 1), place(z, 2)}, eye, change, crowd);
     return crowd;
 }
 
 Result<CrowdScore> score_crowd(CrowdModel& model, const CrowdOptions& options, const std::function<bool()>& going_on) {
-    const double reach = std::sqrt(3.0) * 0.5 * (options.side - 1.0) * options.spacing + 1.0;
+    const double reach = std::sqrt(3.0) * 0.5 * (options.side - 1.0) * crowd_spacing + 1.0;
     if (!(reach < orbit_distances.front())) return invalid_input("the crowd reaches the camera's nearest orbit");
     Scorer scorer(model, options);
     shading::View view;

@@ -21,10 +21,10 @@ inline constexpr std::size_t crowd_levels = 5;
 // Distances of the eye, radii, from which on the next level is drawn.
 inline constexpr std::array<double, crowd_levels> level_distances{0.0, 25.0, 50.0, 100.0, 200.0};
 inline constexpr std::array<double, 5> orbit_distances{30.0, 60.0, 120.0, 240.0, 360.0};  // radii
+inline constexpr double crowd_spacing = 2.5;                                              // radii
 
 struct CrowdOptions {
     std::uint32_t side = 11;             // instances along each axis
-    double spacing = 2.5;                // radii
     std::uint32_t directions = 26;       // of each orbit, spread evenly
     budget::Display canvas{1024, 1024};  // px
 };
@@ -64,7 +64,13 @@ struct CrowdScore {
 Result<CrowdScore> score_crowd(CrowdModel& model, const CrowdOptions& options,
                                const std::function<bool()>& going_on = {});
 
-// The instances of a cubic grid around the model's own place, each at the level of its distance from `eye`.
+// A level goes over into the next coarser one along this last share of its distances.
+inline constexpr double level_fade = 0.1;
+
+enum class LevelChange { at_once, fading };
+
+// The instances of a grid around the model's own place, each at the level of its distance from `eye`, or twice, at two
+// levels that share the samples out, while it fades.
 std::vector<render::Instance> crowd_of(const CrowdModel& model, const std::array<std::uint32_t, 3>& sides,
-                                       double spacing, const Vec3d& eye);
+                                       const Vec3d& eye, LevelChange change = LevelChange::at_once);
 }  // namespace lodestream::report

@@ -289,7 +289,7 @@ class Bench {
         render::DrawOptions options;
         options.width = options.height = 2 * panel_side;
         const std::array<std::uint32_t, 3> sides{arguments_.side, arguments_.side, arguments_.side};
-        options.instances = report::crowd_of(crowd, sides, report::CrowdOptions{}.spacing, view.eye);
+        options.instances = report::crowd_of(crowd, sides, view.eye);
         std::vector<render::Image> images;
         for (render::Renderer* renderer : {&full_, &points_})
             images.push_back(checked(renderer->draw(view, options)).image);
@@ -482,13 +482,13 @@ class Bench {
     void time_crowd(const report::CrowdModel& crowd, std::uint32_t side, proto::PointsCrowd& row) {
         shading::View view;
         view.target = crowd.bounds.center();
-        const double extent = side * report::CrowdOptions{}.spacing;
+        const double extent = side * report::crowd_spacing;
         view.eye =
             view.target + normalize(Vec3d(0.0, 0.6, 1.0)) * (crowd.bounds.radius() * std::max(extent, crowd_nearest));
         render::DrawOptions options;
         options.width = options.height = report::CrowdOptions{}.canvas.width;
         options.samples = 1;
-        options.instances = report::crowd_of(crowd, {side, 1, side}, report::CrowdOptions{}.spacing, view.eye);
+        options.instances = report::crowd_of(crowd, {side, 1, side}, view.eye);
         std::vector<double> full_ms, points_ms;
         for (int turn = 0; turn < (row.full_triangles <= repeated_crowd_triangles ? turns : 1); ++turn) {
             const render::Frame points = checked(points_.draw(view, options));

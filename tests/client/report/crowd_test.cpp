@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <optional>
 
 #include "client/render/gl_context.h"
@@ -74,6 +75,48 @@ TEST_F(CrowdTest, ThatReachesTheCameraIsRefused) {
     const auto refused = score_crowd(model, options);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::invalid_input);
+}
+
+// Popping: what a change of levels alone changes in a picture, the levels of the step before drawn in this step's view.
+TEST_F(CrowdTest, FadingTakesMostOffTheWorstStepOfADepartingCamera) {
+    CrowdModel model = upload(3000, {3000, 700, 150, 30, 8});
+    const auto worst_pop = [&](LevelChange change) {
+        constexpr int steps = 200;
+        double worst = 0.0;
+        std::vector<render::Instance> before;
+        for (int i = 0; i <= steps; ++i) {
+            shading::View view;
+            view.target = model.bounds.center();
+            view.eye = view.target +
+                       Vec3d(0, 0, model.bounds.radius() * std::lerp(20.0, 60.0, static_cast<double>(i) / steps));
+            view.fov_y_deg = 5.0;
+            render::DrawOptions options;
+            options.width = options.height = 128;
+            options.instances = crowd_of(model, {1, 1, 1}, view.eye, change);
+            const auto now = points->draw(view, options);
+            if (!before.empty()) {
+                options.instances = before;
+                worst = std::max(worst, render::compare(points->draw(view, options)->image, now->image)->rms);
+            }
+            before = crowd_of(model, {1, 1, 1}, view.eye, change);
+        }
+        return worst;
+    };
+    const double at_once = worst_pop(LevelChange::at_once), fading = worst_pop(LevelChange::fading);
+    EXPECT_GT(at_once, 5.0);
+    EXPECT_LT(fading, 0.5 * at_once);
+}
+
+TEST_F(CrowdTest, AnInstanceThatFadesSharesItsSamplesOutBetweenTwoLevels) {
+    const CrowdModel model = upload(100, {50, 40, 30, 20, 10});
+    for (const double distance : {1.0, 22.4, 22.6, 24.0, 24.999, 25.0, 47.0, 199.0, 201.0, 1e6}) {
+        const Vec3d eye = model.bounds.center() + Vec3d(0, 0, distance * model.bounds.radius());
+        double sum = 0.0;
+        for (const render::Instance& instance : crowd_of(model, {1, 1, 1}, eye, LevelChange::fading))
+            sum += instance.share.to - instance.share.from;
+        EXPECT_DOUBLE_EQ(sum, 1.0) << distance;
+        EXPECT_EQ(crowd_of(model, {1, 1, 1}, eye).size(), 1u);
+    }
 }
 
 TEST_F(CrowdTest, MayBeStopped) {
