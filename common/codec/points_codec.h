@@ -1,11 +1,17 @@
 // A point cloud as plain glTF 2.0 binary: one primitive of mode POINTS, its attributes interleaved point by point
 // (KHR_mesh_quantization), in the cloud's order. So a prefix of the bytes is a prefix of the cloud, which is a level:
 // streaming is appending, and a file cut at any byte behind its header still draws what came.
+// This is the plain form.
 //
 //   point:  position 3 x u16, 2 bytes of 0 | normal 3 x i8, 1 byte of 0, where it has normals | colour 4 x u8, likewise
 //
 // Positions count steps of the asset's grid, whose step and origin are the node's scale and translation. What is known
 // of the levels stands in the glTF asset's `extras.lodestream.levels`.
+//
+// The lean form is for a level that is fetched and drawn whole: about half of the bytes, for what it gives up. Its
+// points lie along the Z-order curve, in steps as fine as their discs need, in streams of EXT_meshopt_compression, one
+// an attribute (normals with its octahedral filter), which any viewer with meshoptimizer's decoder reads. Draco's k-d
+// tree is as small, but no glTF viewer takes it for points; to keep the order costs either two bytes a point.
 #pragma once
 
 #include <cstddef>
@@ -45,13 +51,20 @@ struct EncodedPoints {
 // numbers that are not finite, a point outside the grid), limit_exceeded (points::max_points).
 Result<EncodedPoints> encode_points(const Points& points);
 
+// A lean level's steps are at most this share of its discs' radius, down to those of the grid.
+inline constexpr double lean_step_share = 1.0 / 16.0;
+
+// The same in the lean form, in another order; of the levels, the first alone is told. Positions are moved by at most
+// half a step, normals by less than two degrees. Errors as encode_points().
+Result<std::vector<std::byte>> encode_lean_points(const Points& points);
+
 struct DecodedPoints {
-    Points content;            // encodes to the same bytes; the grid's origin has become part of its own
+    Points content;  // of the plain form encodes to the same bytes; the grid's origin has become part of its own
     std::uint64_t points = 0;  // of the whole file; the content has fewer where the bytes end early
 };
 
-// Reads what encode_points wrote, or its beginning, if that holds the whole header. The bytes are hostile: any damage
-// is an error, never a crash or an allocation beyond what the bytes can hold.
+// Reads what encode_points wrote, or its beginning, if that holds the whole header, or what encode_lean_points wrote.
+// The bytes are hostile: any damage is an error, never a crash or an allocation beyond what the bytes can hold.
 Result<DecodedPoints> decode_points(std::span<const std::byte> glb);
 
 }  // namespace lodestream::codec

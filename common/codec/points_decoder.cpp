@@ -8,6 +8,7 @@
 
 #include "common/codec/glb.h"
 #include "common/codec/points_codec.h"
+#include "common/codec/points_compression.h"
 #include "common/codec/points_layout.h"
 
 namespace lodestream::codec {
@@ -69,25 +70,41 @@ std::vector<points::Level> read_levels(const json& root) {
     return levels;
 }
 
-// Checks the accessor that `name` points to, where it is there at all.
-bool has_attribute(const json& root, const char* name, int component_type, const char* type, std::size_t offset,
-                   std::uint64_t count) {
+struct Attribute {
+    const char* name;
+    int component_type;
+    const char* type;
+};
+constexpr Attribute position_attribute{"POSITION", gltf_unsigned_short, "VEC3"};
+constexpr Attribute normal_attribute{"NORMAL", gltf_byte, "VEC3"};
+constexpr Attribute color_attribute{"COLOR_0", gltf_unsigned_byte, "VEC4"};
+
+// The checked accessor of the attribute, where it is there at all; else null.
+const json* accessor_of(const json& root, const Attribute& attribute, std::uint64_t count) {
     const json& attributes = only(only(root, "meshes"), "primitives").at("attributes");
-    if (!attributes.contains(name)) return false;
-    const json& accessor = root.at("accessors").at(whole(attributes, name));
-    require(whole(accessor, "bufferView") == 0 && whole(accessor, "count") == count &&
-                whole(accessor, "componentType") == static_cast<std::uint64_t>(component_type) &&
-                accessor.at("type") == type && accessor.value("byteOffset", std::uint64_t{0}) == offset &&
-                !accessor.contains("sparse"),
+    if (!attributes.contains(attribute.name)) return nullptr;
+    const json& accessor = root.at("accessors").at(whole(attributes, attribute.name));
+    require(whole(accessor, "count") == count &&
+                whole(accessor, "componentType") == static_cast<std::uint64_t>(attribute.component_type) &&
+                accessor.at("type") == attribute.type && !accessor.contains("sparse"),
             "an accessor of an unexpected kind");
-    return true;
+    return &accessor;
+}
+
+// Of an interleaved point, at that offset.
+bool has_attribute(const json& root, const Attribute& attribute, std::size_t offset, std::uint64_t count) {
+    const json* accessor = accessor_of(root, attribute, count);
+    if (accessor)
+        require(whole(*accessor, "bufferView") == 0 && accessor->value("byteOffset", std::uint64_t{0}) == offset,
+                "an attribute at an unexpected place");
+    return accessor != nullptr;
 }
 
 PointLayout read_layout(const json& root, std::uint64_t count) {
     PointLayout layout;
-    require(has_attribute(root, "POSITION", gltf_unsigned_short, "VEC3", 0, count), "no positions");
-    layout.has_normals = has_attribute(root, "NORMAL", gltf_byte, "VEC3", PointLayout::normal_offset, count);
-    layout.has_colors = has_attribute(root, "COLOR_0", gltf_unsigned_byte, "VEC4", layout.color_offset(), count);
+    require(has_attribute(root, position_attribute, 0, count), "no positions");
+    layout.has_normals = has_attribute(root, normal_attribute, PointLayout::normal_offset, count);
+    layout.has_colors = has_attribute(root, color_attribute, layout.color_offset(), count);
     const json& view = only(root, "bufferViews");
     require(whole(view, "byteStride") == layout.stride() && whole(view, "byteLength") == count * layout.stride() &&
                 !view.contains("byteOffset"),
@@ -119,6 +136,43 @@ points::PointCloud read_cloud(std::span<const std::byte> bytes, const PointLayou
     return cloud;
 }
 
+bool is_lean(const json& root) {
+    return root.contains("bufferViews") && root.at("bufferViews").at(0).contains("extensions");
+}
+
+// The values of an attribute's own compressed stream; empty where the attribute is not there.
+std::vector<std::byte> read_stream(const Glb& glb, const Attribute& attribute, std::uint64_t count,
+                                   std::size_t stride) {
+    const json* accessor = accessor_of(glb.json, attribute, count);
+    if (!accessor) return {};
+    require(accessor->value("byteOffset", std::uint64_t{0}) == 0, "an attribute at an unexpected place");
+    const json& view = glb.json.at("bufferViews").at(whole(*accessor, "bufferView"));
+    const json& stream = view.at("extensions").at(meshopt_extension);
+    const std::uint64_t offset = stream.value("byteOffset", std::uint64_t{0}), bytes = whole(stream, "byteLength");
+    require(whole(stream, "buffer") == 0 && stream.at("mode") == "ATTRIBUTES" && whole(stream, "count") == count &&
+                whole(stream, "byteStride") == stride,
+            "a compressed stream of an unexpected kind");
+    require(offset <= glb.binary.size() && bytes <= glb.binary.size() - offset, "a compressed stream that ends early");
+    Result<std::vector<std::byte>> values = decompressed(glb.binary.subspan(offset, bytes), count, stride);
+    if (!values) throw Refusal{values.error().message};
+    return *std::move(values);
+}
+
+points::PointCloud read_lean_cloud(const Glb& glb, std::uint64_t count, double step) {
+    constexpr std::size_t position_stride = PointLayout{}.stride(), other_stride = 4;
+    const std::vector<std::byte> positions = read_stream(glb, position_attribute, count, position_stride);
+    require(!positions.empty(), "no positions");
+    std::vector<std::byte> normals = read_stream(glb, normal_attribute, count, other_stride);
+    undo_octahedral(normals);
+    const std::vector<std::byte> colors = read_stream(glb, color_attribute, count, other_stride);
+    points::PointCloud cloud = read_cloud(positions, PointLayout{}, step);
+    for (std::size_t at = 0; at < normals.size(); at += other_stride)
+        cloud.normals.push_back(unpacked_normal(&normals[at]));
+    cloud.colors.resize(colors.size() / sizeof(Rgba8));
+    if (!colors.empty()) std::memcpy(cloud.colors.data(), colors.data(), colors.size());
+    return cloud;
+}
+
 DecodedPoints read(const Glb& glb) {
     constexpr double largest = std::numeric_limits<float>::max();
     constexpr double steps_of_grid = (1u << point_position_bits) - 1u;
@@ -138,6 +192,10 @@ DecodedPoints read(const Glb& glb) {
         vector_of<Vec4f>(only(root, "materials").at("pbrMetallicRoughness").at("baseColorFactor"), 0.0, 1.0);
     decoded.points = whole(root.at("accessors").at(0), "count");
     require(decoded.points > 0 && decoded.points <= points::max_points, "too many points");
+    if (is_lean(root)) {
+        decoded.content.cloud = read_lean_cloud(glb, decoded.points, scale.x);
+        return decoded;
+    }
     const PointLayout layout = read_layout(root, decoded.points);
     const std::size_t whole_size = decoded.points * layout.stride();
     decoded.content.cloud = read_cloud(glb.binary.first(std::min(glb.binary.size(), whole_size)), layout, scale.x);

@@ -14,8 +14,8 @@ struct PointLayout {
     bool has_colors = false;
 
     static constexpr std::size_t normal_offset = 8;  // behind the position and its padding
-    std::size_t color_offset() const { return has_normals ? 12 : 8; }
-    std::size_t stride() const { return color_offset() + (has_colors ? 4 : 0); }
+    constexpr std::size_t color_offset() const { return has_normals ? 12 : 8; }
+    constexpr std::size_t stride() const { return color_offset() + (has_colors ? 4 : 0); }
 };
 
 }  // namespace lodestream::codec

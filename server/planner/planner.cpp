@@ -359,7 +359,7 @@ double seen_pixels_per_unit(const proto::PlanRequest& request, const Box& world_
 Result<proto::PlanResponse> Planner::Impl::plan_points(const proto::PlanRequest& request, const proto::Asset& asset,
                                                        const Box& world_bounds) {
     const double pixels_per_unit = seen_pixels_per_unit(request, world_bounds);
-    const Result<PointLevel> level = planner::plan_points(store, asset, request.budget, pixels_per_unit);
+    const Result<PointLevel> level = planner::plan_points(store, asset, request, pixels_per_unit);
     if (!level) return level.error();
     const Result<budget::Budget> budget = budget::derive_budget(request.budget, cost_of(asset, {}));
     if (!budget) return budget.error();
@@ -375,7 +375,7 @@ Status Planner::Impl::choose_primitives(proto::PlanResponse& response, const pro
                                         const proto::Asset& asset, const LoadedAsset& loaded) {
     const shading::View view = view_of(request, loaded.world_bounds);
     const double pixels_per_unit = seen_pixels_per_unit(request, loaded.world_bounds);
-    const Result<PointLevel> level = planner::plan_points(store, asset, request.budget, pixels_per_unit);
+    const Result<PointLevel> level = planner::plan_points(store, asset, request, pixels_per_unit);
     if (!level) return level.error().code == ErrorCode::not_found ? Status{Nothing{}} : Status{level.error()};
     const Rivals rivals{seen_error(response).rms * pixels_per_unit,
                         level->error_px,

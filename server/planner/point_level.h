@@ -24,12 +24,13 @@ inline constexpr double shown_share_of_radius = 0.25;
 struct PointLevel {
     codec::Points points;  // all of the asset's
     budget::PointBudget budget;
-    std::uint64_t bytes = 0;  // of that level, at most
+    proto::Profile profile = proto::Profile::plain;
+    std::uint64_t bytes = 0;  // of that level: plain ones at most, lean ones about
     double error_px = 0.0;    // what the level of that budget shows, in the view
 };
 
 // Errors: not_found (the asset has no points), those of reading and decoding, invalid_input.
-Result<PointLevel> plan_points(const store::Store& store, const proto::Asset& asset, const budget::Request& request,
+Result<PointLevel> plan_points(const store::Store& store, const proto::Asset& asset, const proto::PlanRequest& request,
                                double pixels_per_unit);
 
 // One level of triangles beside one of points, as seen from `distance` of the bounding sphere's centre.

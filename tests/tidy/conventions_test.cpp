@@ -153,7 +153,7 @@ const std::vector<Ownership>& owners() {
         {"zlib", {"proto"}},
         {"tiny_gltf", {"server/importer"}},
         {"tiny_obj_loader", {"server/importer"}},
-        {"meshoptimizer", {"server/importer", "client/render"}},
+        {"meshoptimizer", {"common/codec", "server/importer", "client/render"}},
         {"stb/", {"common/image"}},
         {"sqlite3", {"server/store"}},
         {"openssl/", {"server/store"}},

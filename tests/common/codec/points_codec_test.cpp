@@ -187,5 +187,115 @@ TEST(PointsCodec, NormalsWithoutLengthPointUp) {
     EXPECT_EQ(decoded->content.cloud.normals[4], Vec3f(0, 1, 0));
 }
 
+std::vector<std::byte> lean(const Points& points) {
+    const auto result = encode_lean_points(points);
+    EXPECT_TRUE(result.ok()) << (result ? "" : result.error().message);
+    return result ? *result : std::vector<std::byte>{};
+}
+
+// Each point with the nearest of the others'.
+double farthest(const std::vector<Vec3f>& from, const Vec3d& from_origin, const std::vector<Vec3f>& to,
+                const Vec3d& to_origin) {
+    double most = 0.0;
+    for (const Vec3f& p : from) {
+        double least = std::numeric_limits<double>::infinity();
+        for (const Vec3f& q : to) least = std::min(least, glm::length(from_origin - to_origin + Vec3d(p) - Vec3d(q)));
+        most = std::max(most, least);
+    }
+    return most;
+}
+
+TEST(LeanPoints, AreAsNearAsTheirDiscsNeed) {
+    for (const bool normals : {false, true})
+        for (const bool colors : {false, true}) {
+            const Points points = some_points(400, normals, colors);
+            const auto decoded = decode_points(lean(points));
+            ASSERT_TRUE(decoded) << decoded.error().message;
+            const Points& content = decoded->content;
+            EXPECT_EQ(decoded->points, 400u);
+            ASSERT_EQ(content.cloud.positions.size(), 400u);
+            EXPECT_EQ(content.cloud.normals.size(), normals ? 400u : 0u);
+            EXPECT_EQ(content.cloud.colors.size(), colors ? 400u : 0u);
+            EXPECT_EQ(content.base_color, points.base_color);
+            ASSERT_EQ(content.levels.size(), 1u);
+            EXPECT_EQ(content.levels[0].radius, points.levels[0].radius);
+            const double most = std::sqrt(3.0) * 0.5 * lean_step_share * points.levels[0].radius + 1e-6;
+            EXPECT_LT(farthest(points.cloud.positions, points.origin, content.cloud.positions, content.origin), most);
+            EXPECT_LT(farthest(content.cloud.positions, content.origin, points.cloud.positions, points.origin), most);
+        }
+}
+
+TEST(LeanPoints, KeepEachPointsNormalAndColourWithIt) {
+    Points points = some_points(300);
+    for (std::size_t i = 0; i < 300; ++i) {
+        points.cloud.positions[i] = {static_cast<float>(i), 0.0f, 0.0f};
+        points.cloud.colors[i] = Rgba8(i % 200, i / 2, 3, 255);
+    }
+    points.grid = grid_of(points);
+    const auto decoded = decode_points(lean(points));
+    ASSERT_TRUE(decoded) << decoded.error().message;
+    const Points& content = decoded->content;
+    for (std::size_t i = 0; i < 300; ++i) {
+        const double x = content.cloud.positions[i].x + content.origin.x - points.origin.x;
+        const auto source = static_cast<std::size_t>(std::lround(x));
+        EXPECT_EQ(content.cloud.colors[i], points.cloud.colors[source]);
+        EXPECT_GT(dot(normalize(content.cloud.normals[i]), points.cloud.normals[source]), std::cos(radians(2.0)));
+    }
+}
+
+TEST(LeanPoints, TakeAboutHalfOfThePlainBytesOfASurface) {
+    Points points;
+    for (std::size_t i = 0; i < 20'000; ++i) {
+        const double height = 1.0 - 2.0 * (static_cast<double>(i) + 0.5) / 20'000.0;
+        const double around = std::sqrt(1.0 - height * height), turn = 2.4 * static_cast<double>(i);
+        points.cloud.positions.emplace_back(around * std::cos(turn), height, around * std::sin(turn));
+    }
+    points.cloud.normals = points.cloud.positions;
+    points.levels = {{20'000, {}, 0.02}};
+    points.grid = grid_of(points);
+    EXPECT_LT(static_cast<double>(lean(points).size()), 0.5 * static_cast<double>(encoded(points).size()));
+}
+
+TEST(LeanPoints, OfNoneOneOrNormalsThatAreNoneAreFine) {
+    const auto none = decode_points(lean(some_points(0)));
+    ASSERT_TRUE(none);
+    EXPECT_EQ(none->points, 0u);
+    Points one = some_points(1);
+    one.cloud.normals[0] = Vec3f(std::nanf(""));
+    const auto decoded = decode_points(lean(one));
+    ASSERT_TRUE(decoded) << decoded.error().message;
+    EXPECT_EQ(decoded->content.cloud.normals[0], Vec3f(0, 1, 0));
+}
+
+TEST(LeanPoints, CutOrDamagedAreRefusedOrReadAndNeverCrash) {
+    const std::vector<std::byte> whole = lean(some_points(2000));
+    Random random(5);
+    for (int i = 0; i < 300; ++i) {
+        std::vector<std::byte> damaged = whole;
+        const auto at = static_cast<std::size_t>(random.uniform() * static_cast<double>(whole.size()));
+        if (i % 2 == 0)
+            damaged.resize(at);
+        else
+            damaged[at] ^= std::byte{0x5a};
+        const auto decoded = decode_points(damaged);
+        if (decoded) {
+            EXPECT_EQ(decoded->content.cloud.positions.size(), decoded->points);
+        } else {
+            EXPECT_EQ(decoded.error().code, ErrorCode::invalid_input);
+        }
+    }
+    EXPECT_FALSE(decode_points(std::span(whole).first(whole.size() - 8)));
+}
+
+TEST(LeanPoints, ThatStateFarMoreThanTheirBytesHoldAreRefusedBeforeAnythingIsAllocated) {
+    std::vector<std::byte> glb = lean(some_points(100));
+    std::string text(reinterpret_cast<const char*>(glb.data()), glb.size());
+    for (std::size_t at = text.find("\"count\":100"); at != std::string::npos; at = text.find("\"count\":100", at + 1))
+        text.replace(at, 11, "\"count\":999");
+    const auto refused = decode_points(std::as_bytes(std::span(text)));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::invalid_input);
+}
+
 }  // namespace
 }  // namespace lodestream::codec

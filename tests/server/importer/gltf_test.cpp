@@ -71,25 +71,28 @@ TEST(ImportGltf, PointsHaveTheirMaterialsColour) {
     EXPECT_EQ(model->mesh.colors[1], Rgba8(0, 51, 0, 255));
 }
 
-TEST(ImportGltf, PointsThatOurOwnEncoderWroteComeBack) {
+TEST(ImportGltf, PointsThatOurOwnEncodersWroteComeBack) {
     codec::Points points;
-    points.cloud.positions = {{0.25f, 0, 0}, {1, 0.5f, 0}, {0, 1, 0.75f}};
+    points.cloud.positions = {{0.25f, 0, 0}, {1, 0.5f, 0}, {0, 1, 0.75f}};  // as they lie along the Z-order curve
     points.cloud.normals = {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}};
     points.origin = {1000, -2, 3};
     Box box;
     for (const Vec3f& p : points.cloud.positions) box.add(Vec3d(p));
     points.grid = codec::point_grid(box);
-    points.levels = {{3, {}, 0.1}};
-    const auto encoded = codec::encode_points(points);
-    ASSERT_TRUE(encoded) << encoded.error().message;
-    const auto model = import_glb(std::string(reinterpret_cast<const char*>(encoded->glb.data()), encoded->glb.size()));
-    ASSERT_TRUE(model) << model.error().message;
-    EXPECT_EQ(model->kind, mesh::Kind::points);
-    ASSERT_EQ(model->mesh.positions.size(), 3u);
-    for (std::size_t i = 0; i < 3; ++i) {
-        const Vec3d there = Vec3d(points.cloud.positions[i]) + points.origin;
-        EXPECT_LT(length(Vec3d(model->mesh.positions[i]) + model->origin - there), 1e-4);
-        EXPECT_EQ(model->mesh.normals[i], points.cloud.normals[i]);
+    points.levels = {{3, {}, 1e-3}};
+    const auto plain = codec::encode_points(points);
+    const auto lean = codec::encode_lean_points(points);
+    ASSERT_TRUE(plain && lean);
+    for (const std::vector<std::byte>& glb : {plain->glb, *lean}) {
+        const auto model = import_glb(std::string(reinterpret_cast<const char*>(glb.data()), glb.size()));
+        ASSERT_TRUE(model) << model.error().message;
+        EXPECT_EQ(model->kind, mesh::Kind::points);
+        ASSERT_EQ(model->mesh.positions.size(), 3u);
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vec3d there = Vec3d(points.cloud.positions[i]) + points.origin;
+            EXPECT_LT(length(Vec3d(model->mesh.positions[i]) + model->origin - there), 1e-4) << i;
+            EXPECT_GT(dot(model->mesh.normals[i], points.cloud.normals[i]), 0.999f);
+        }
     }
 }
 

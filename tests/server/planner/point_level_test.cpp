@@ -92,6 +92,35 @@ TEST(PointPlan, SendsTheDevicesShareAsOneLevel) {
     EXPECT_GT(content.levels.front().radius, 0.0);
 }
 
+TEST(PointPlan, LeanPointsAreTheSameLevelInAboutHalfOfTheBytes) {
+    auto request = request_for("sphere", proto::Primitives::points, 1e6);
+    const auto plain = baked().planner.plan(request);
+    request.profile = proto::Profile::lean;
+    const auto lean = baked().planner.plan(request);
+    ASSERT_TRUE(plain && lean);
+    EXPECT_EQ(lean->content.profile, "lean");
+    EXPECT_EQ(plain->content.profile, "plain");
+    EXPECT_EQ(lean->level.points, plain->level.points);
+    EXPECT_LT(static_cast<double>(lean->content.bytes), 0.55 * static_cast<double>(plain->content.bytes));
+    const codec::Points content = content_of(*lean);
+    EXPECT_EQ(content.cloud.positions.size(), lean->level.points);
+    EXPECT_EQ(content.levels.front().radius, content_of(*plain).levels.front().radius);
+}
+
+TEST(PointPlan, LeanPointsOfAShortLinkAreMoreThanPlainOnesAndInTime) {
+    for (const char* asset : {"sphere", "leaves"}) {
+        auto request = request_for(asset, proto::Primitives::points, 1e6);
+        request.budget.network = budget::Network{0.1, 0.0, 1.0};  // 12,500 bytes
+        const auto plain = baked().planner.plan(request);
+        request.profile = proto::Profile::lean;
+        const auto lean = baked().planner.plan(request);
+        ASSERT_TRUE(plain && lean);
+        EXPECT_EQ(lean->budget.limited_by, "network");
+        EXPECT_GT(lean->level.points, plain->level.points) << asset;
+        EXPECT_LE(lean->content.bytes, 12'500u) << asset;
+    }
+}
+
 TEST(PointPlan, TheSamePlanComesFromTheStore) {
     const auto request = request_for("sphere", proto::Primitives::points, 500.0);
     const auto first = baked().planner.plan(request), again = baked().planner.plan(request);
@@ -135,10 +164,10 @@ TEST(PointPlan, NeverMoreThanTheBudgetWhateverTheDevice) {
 TEST(PointPlan, ALevelHasNoMoreBytesThanItWasPlannedWith) {
     for (const char* name : {"sphere", "leaves", "cloud"})
         for (const std::uint64_t points : {1u, 70u, 1'000u, 1'000'000u}) {
-            budget::Request request;
-            request.device.cpu_mhz = 300;
-            request.device.points_per_second = 1e9;
-            request.preference.triangles = points;
+            proto::PlanRequest request;
+            request.budget.device.cpu_mhz = 300;
+            request.budget.device.points_per_second = 1e9;
+            request.budget.preference.triangles = points;
             const auto level = plan_points(baked().store, *baked().store.asset(name), request, 1e9);
             ASSERT_TRUE(level) << level.error().message;
             proto::PlanResponse response;
