@@ -18,6 +18,7 @@ constexpr std::uint64_t header_bytes = 4096;
 
 // Lean points of surfaces take 0.40 to 0.45 of the plain bytes, without colours (lodestream_bench_points --codecs).
 constexpr std::uint64_t lean_divisor = 2;
+constexpr std::uint64_t fewest_lean_points = 100;  // below, what their JSON has more is more than they save
 constexpr int max_network_corrections = 4;
 
 std::uint64_t bytes_per_point(const points::PointCloud& cloud, proto::Profile profile) {
@@ -54,22 +55,24 @@ Result<std::vector<std::byte>> encoded(const codec::Points& level, proto::Profil
 
 struct StoredLevel {
     store::StoredFile file;
+    proto::Profile profile = proto::Profile::plain;
     double encode_ms = 0.0;  // 0: the store had it
 };
 
 Result<StoredLevel> stored_level(store::Store& store, const std::string& asset_id, const PointLevel& level,
                                  std::uint64_t count) {
-    const std::string key = std::string(bake::points_key) + "/" +
-                            (level.profile == proto::Profile::lean ? "lean/" : "") + std::to_string(count);
+    const proto::Profile profile = count < fewest_lean_points ? proto::Profile::plain : level.profile;
+    const std::string key =
+        std::string(bake::points_key) + "/" + (profile == proto::Profile::lean ? "lean/" : "") + std::to_string(count);
     if (const Result<store::Store::Content> stored = store.content(asset_id, key); stored)
-        return StoredLevel{stored->file, 0.0};
+        return StoredLevel{stored->file, profile, 0.0};
     const bake::Stopwatch encoding;
-    const Result<std::vector<std::byte>> glb = encoded(bake::cut_points(level.points, count), level.profile);
+    const Result<std::vector<std::byte>> glb = encoded(bake::cut_points(level.points, count), profile);
     if (!glb) return glb.error();
     const double encode_ms = encoding.ms();
     Result<store::StoredFile> file = store.put_content(asset_id, key, "glb", *glb);
     if (!file) return file.error();
-    return StoredLevel{*std::move(file), encode_ms};
+    return StoredLevel{*std::move(file), profile, encode_ms};
 }
 
 double visible(double error_px) {
@@ -138,7 +141,7 @@ Status add_points(proto::PlanResponse& response, store::Store& store, const std:
     response.shading.operations = {};
     response.shading.mode = "points";
     response.timing_ms.encode = stored->encode_ms;
-    response.content.profile = proto::profile_name(level.profile);
+    response.content.profile = proto::profile_name(stored->profile);
     response.content.url = bake::content_url(stored->file.hash);
     response.content.bytes = stored->file.bytes;
     return Nothing{};

@@ -99,13 +99,14 @@ export async function fetch_plan(url, request) {
 
 // The GLB that each device's plan answers with, for every ready asset.
 export async function collect_plans(url, device_files) {
+  const points = ["plain", "lean"].map((profile) => ({ primitives: "points", profile }));
   const glbs = [];
   for (const file of device_files) {
     const device = JSON.parse(await readFile(file));
     for (const asset of (await list_assets(url)).filter(({ status }) => status === "ready"))
-      for (const primitives of asset.kind === "points" ? ["points"] : ["triangles", "points"]) {
-        const { plan, glb } = await fetch_plan(url, { asset: asset.name, ...device, primitives });
-        const what = primitives === "points" ? "points" : plan.content.profile;
+      for (const asked of asset.kind === "points" ? points : [{ primitives: "triangles" }, ...points]) {
+        const { plan, glb } = await fetch_plan(url, { asset: asset.name, ...device, ...asked });
+        const what = `${plan.content.profile}${asked.primitives === "points" ? " points" : ""}`;
         glbs.push({ ...glb, name: `${asset.name}, ${what} plan for ${path.basename(file, ".json")}` });
       }
   }

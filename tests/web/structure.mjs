@@ -1,9 +1,10 @@
-// Judges a GLB's structure: the Khronos validator, and the validator again on what glTF-Transform decodes from Draco,
-// because the validator does not look inside Draco.
+// Judges a GLB's structure: the Khronos validator, and the validator again on what glTF-Transform decodes from Draco and
+// meshoptimizer's codec, because the validator does not look inside.
 import { NodeIO } from "@gltf-transform/core";
-import { ALL_EXTENSIONS, KHRDracoMeshCompression } from "@gltf-transform/extensions";
+import { ALL_EXTENSIONS, EXTMeshoptCompression, KHRDracoMeshCompression } from "@gltf-transform/extensions";
 import draco3d from "draco3dgltf";
 import validator from "gltf-validator";
+import { MeshoptDecoder } from "three/examples/jsm/libs/meshopt_decoder.module.js";
 
 const max_issues_shown = 5;
 const error_severity = 0;
@@ -11,7 +12,7 @@ const warning_severity = 1;
 
 const io = new NodeIO()
   .registerExtensions(ALL_EXTENSIONS)
-  .registerDependencies({ "draco3d.decoder": await draco3d.createDecoderModule() });
+  .registerDependencies({ "draco3d.decoder": await draco3d.createDecoderModule(), "meshopt.decoder": MeshoptDecoder });
 
 async function issues(bytes, worst_allowed, where) {
   const report = await validator.validateBytes(bytes, { maxIssues: 0 });
@@ -22,7 +23,8 @@ async function issues(bytes, worst_allowed, where) {
 
 async function decoded(bytes) {
   const document = await io.readBinary(bytes);
-  document.getRoot().listExtensionsUsed().find((used) => used instanceof KHRDracoMeshCompression)?.dispose();
+  for (const used of document.getRoot().listExtensionsUsed())
+    if (used instanceof KHRDracoMeshCompression || used instanceof EXTMeshoptCompression) used.dispose();
   return io.writeBinary(document);
 }
 

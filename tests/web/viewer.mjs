@@ -2,10 +2,11 @@
 import * as THREE from "three";
 import { DRACOLoader } from "three/addons/loaders/DRACOLoader.js";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { MeshoptDecoder } from "three/addons/libs/meshopt_decoder.module.js";
 
 const size_px = 256;
 const draco = new DRACOLoader().setDecoderPath("/node_modules/three/examples/jsm/libs/draco/gltf/");
-const loader = new GLTFLoader().setDRACOLoader(draco);
+const loader = new GLTFLoader().setDRACOLoader(draco).setMeshoptDecoder(MeshoptDecoder);
 const renderer = new THREE.WebGLRenderer({ preserveDrawingBuffer: true });
 renderer.setSize(size_px, size_px);
 renderer.setClearColor(0x000000, 0);

@@ -107,6 +107,19 @@ TEST(PointPlan, LeanPointsAreTheSameLevelInAboutHalfOfTheBytes) {
     EXPECT_EQ(content.levels.front().radius, content_of(*plain).levels.front().radius);
 }
 
+TEST(PointPlan, AFewLeanPointsAreSentPlainAsThatIsSmaller) {
+    auto request = request_for("sphere", proto::Primitives::points);
+    request.profile = proto::Profile::lean;
+    for (const std::uint64_t points : {1u, 20u, 99u}) {
+        request.budget.preference.triangles = points;
+        request.budget.device.points_per_second = 1e9;
+        const auto plan = baked().planner.plan(request);
+        ASSERT_TRUE(plan) << plan.error().message;
+        EXPECT_EQ(plan->level.points, points);
+        EXPECT_EQ(plan->content.profile, "plain");
+    }
+}
+
 TEST(PointPlan, LeanPointsOfAShortLinkAreMoreThanPlainOnesAndInTime) {
     for (const char* asset : {"sphere", "leaves"}) {
         auto request = request_for(asset, proto::Primitives::points, 1e6);
