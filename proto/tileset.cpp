@@ -119,7 +119,8 @@ void keep_the_laws(scene::LodTree& nodes) {
 std::string to_json(const Tileset& tileset) {
     const scene::LodTree& tree = tileset.nodes;
     std::string json = "{\"asset\":{\"version\":\"1.1\"},\"geometricError\":" + number(root_error(tree.front())) +
-                       ",\"root\":" + opened_tile(tileset, 0) + ",\"refine\":\"REPLACE\"";
+                       ",\"root\":" + opened_tile(tileset, 0) + ",\"refine\":\"" +
+                       (tileset.is_additive ? "ADD" : "REPLACE") + '"';
     struct Open {
         std::uint32_t tile, next_child;
     };

@@ -1,4 +1,4 @@
-// A tree of levels as a 3D Tiles 1.1 tileset, each tile replacing those below it.
+// A tree of levels as a 3D Tiles 1.1 tileset, each tile replacing those below it or, of points, adding to those above.
 // Source: OGC 3D Tiles 1.1 (22-025r4), 7.2 "Geometric error" and 7.4 "Refinement".
 #pragma once
 
@@ -16,6 +16,7 @@ struct Tileset {
     scene::LodTree nodes;              // boxes in world axes, y up
     std::vector<std::string> uris;     // of each node's content
     std::vector<std::uint64_t> bytes;  // of each node's content; 0: not known
+    bool is_additive = false;          // tiles are drawn beside those above them, as points are, not in their place
 };
 
 // A tile's geometricError is its level's maximum error; its `extras` tell `triangles` and `bytes`, so that a client can

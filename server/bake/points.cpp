@@ -6,8 +6,10 @@
 
 #include "common/mesh/operations.h"
 #include "common/points/resample.h"
+#include "common/points/tiles.h"
 #include "server/bake/executor.h"
 #include "server/bake/surface_colors.h"
+#include "server/bake/tile_tree.h"
 
 namespace lodestream::bake {
 
@@ -55,8 +57,8 @@ struct Unordered {
     codec::Points content;
 };
 
-Status store_ordered(store::Store& store, const std::string& asset_id, Unordered source,
-                     const std::function<bool(double)>& progress) {
+Result<codec::Points> store_ordered(store::Store& store, const std::string& asset_id, Unordered source,
+                                    const std::function<bool(double)>& progress) {
     points::OrderedCloud ordered = points::order(source.cloud, source.budget, all_cores());
     if (!progress(ordered_share)) return cancelled();
     std::atomic<bool> goes_on = true;
@@ -74,7 +76,33 @@ Status store_ordered(store::Store& store, const std::string& asset_id, Unordered
     if (!encoded) return encoded.error();
     Result<store::StoredFile> file = store.put_content(asset_id, points_key, "glb", encoded->glb);
     if (!file) return file.error();
-    return Nothing{};
+    return std::move(content);
+}
+
+Status store_tiles(store::Store& store, const std::string& asset_id, const codec::Points& all) {
+    TileTree tree;
+    for (const points::Tile& tile : points::tiles_of(all.cloud)) {
+        const double radius = points::level_of(all.levels, tile.shown).radius;
+        codec::Points content{points::points_of(all.cloud, tile), all.grid, {}, all.base_color, all.origin};
+        content.levels = {{content.cloud.positions.size(), {}, radius}};
+        const Result<codec::EncodedPoints> encoded = codec::encode_points(content);
+        if (!encoded) return encoded.error();
+        Result<store::StoredFile> file =
+            store.put_content(asset_id, tile_key(tree.nodes.size(), 0), "glb", encoded->glb);
+        if (!file) return file.error();
+        scene::LodNode node;
+        node.box = {tile.box.min + all.origin, tile.box.max + all.origin};
+        node.error = tile.child_count > 0 ? radius : 0.0;
+        node.parent = tile.parent == points::no_tile ? scene::none : tile.parent;
+        node.first_child = tile.first_child;
+        node.child_count = tile.child_count;
+        tree.nodes.push_back(node);
+        tree.hashes.push_back(file->hash);
+        tree.bytes.push_back(file->bytes);
+    }
+    if (Status valid = scene::validate(tree.nodes); !valid) return valid;
+    Result<store::StoredFile> file = store.put_content(asset_id, tiles_key, "tiles", serialize(tree));
+    return file ? Status{Nothing{}} : Status{file.error()};
 }
 
 }  // namespace
@@ -88,7 +116,8 @@ Status make_points(store::Store& store, const std::string& asset_id, const mesh:
     codec::Points content;
     content.base_color = colors.constant().value_or(Vec4f(1.0f));
     content.origin = model.origin;
-    return store_ordered(store, asset_id, {cloud, budget, finest, original, std::move(content)}, progress);
+    const auto stored = store_ordered(store, asset_id, {cloud, budget, finest, original, std::move(content)}, progress);
+    return stored ? Status{Nothing{}} : Status{stored.error()};
 }
 
 Status make_cloud_points(store::Store& store, const std::string& asset_id, const mesh::Model& model,
@@ -101,7 +130,9 @@ Status make_cloud_points(store::Store& store, const std::string& asset_id, const
     content.base_color = model.materials.front().base_color;
     content.origin = model.origin;
     const std::uint64_t budget = std::min<std::uint64_t>(cloud.positions.size(), max_cloud_points);
-    return store_ordered(store, asset_id, {cloud, budget, points, original, std::move(content)}, progress);
+    const auto stored = store_ordered(store, asset_id, {cloud, budget, points, original, std::move(content)}, progress);
+    if (!stored) return stored.error();
+    return store_tiles(store, asset_id, *stored);
 }
 
 Result<codec::Points> load_points(const store::Store& store, const std::string& asset_id) {

@@ -26,8 +26,9 @@ inline constexpr std::uint64_t max_points_bytes = 1ull << 30;
 Status make_points(store::Store& store, const std::string& asset_id, const mesh::Model& model, const mesh::Mesh& finest,
                    const metric::SurfaceIndex& original, const std::function<bool(double)>& progress);
 
-// Likewise of a model that is a cloud itself (mesh::Kind::points): ordered, its finest max_cloud_points, and measured
-// against all of them.
+// Likewise of a model that is a cloud itself (mesh::Kind::points): ordered, its finest max_cloud_points, measured
+// against all of them, and stored as tiles too (points::tiles_of), whose errors are the radii of the discs that they
+// need.
 inline constexpr std::uint64_t max_cloud_points = 4'000'000;
 Status make_cloud_points(store::Store& store, const std::string& asset_id, const mesh::Model& model,
                          const std::function<bool(double)>& progress);

@@ -98,7 +98,9 @@ Result<TileTree> load_tiles(const store::Store& store, const proto::Asset& asset
     if (Result<store::Store::Content> stored = store.content(asset.id, tiles_key); stored) {
         Result<std::vector<std::byte>> bytes = store::read_file(stored->file.path, max_tiles_bytes);
         if (!bytes) return bytes.error();
-        return open_tile_tree(*bytes);
+        Result<TileTree> tree = open_tile_tree(*bytes);
+        if (tree) tree->is_additive = asset.kind == mesh::kind_name(mesh::Kind::points);
+        return tree;
     }
     if (asset.levels.empty() || !asset.bounds_min || !asset.bounds_max)
         return fail(ErrorCode::conflict, "\"" + asset.name + "\" has no tileset: it has no bounds or levels");

@@ -19,6 +19,7 @@ struct TileTree {
     scene::LodTree nodes;              // boxes in world axes; errors are maximum errors against the finest tiles
     std::vector<std::string> hashes;   // of each node: its content among the store's files, as .glb
     std::vector<std::uint64_t> bytes;  // of each node's content
+    bool is_additive = false;          // of a cloud: tiles are drawn beside those above them
 };
 
 inline constexpr std::string_view tiles_key = "tiles";  // of the tree among an asset's content

@@ -273,7 +273,7 @@ Status tileset(const TilesetArguments& arguments) {
         if (Status written = put(tiles->hashes[i], *content); !written) return written;
         bytes += content->size();
     }
-    const std::string json = proto::to_json({tiles->nodes, tiles->hashes, tiles->bytes});
+    const std::string json = proto::to_json({tiles->nodes, tiles->hashes, tiles->bytes, tiles->is_additive});
     if (Status written = put("tileset.json", std::as_bytes(std::span(json))); !written) return written;
     if (archive)
         if (Status finished = archive->finish(); !finished) return finished;

@@ -376,8 +376,8 @@ Response Service::Impl::tileset(Request&, const std::string& id) {
     auto tiles = bake::load_tiles(store, *asset);
     if (!tiles) return respond(tiles.error());
     for (std::string& hash : tiles->hashes) hash = bake::content_url(hash);
-    return respond(json_type,
-                   proto::to_json({std::move(tiles->nodes), std::move(tiles->hashes), std::move(tiles->bytes)}));
+    return respond(json_type, proto::to_json({std::move(tiles->nodes), std::move(tiles->hashes),
+                                              std::move(tiles->bytes), tiles->is_additive}));
 }
 
 Response Service::Impl::create_plan(Request& request, const std::string&) {

@@ -45,6 +45,13 @@ TEST(Tileset, IsTheTreeWithItsErrors) {
     EXPECT_FALSE(root["children"][1].contains("children"));
 }
 
+TEST(Tileset, OfPointsAdds) {
+    Tileset tileset = tileset_of({tile(2.0, scene::none, 1, 1), tile(0.0, 0, 0, 0)});
+    tileset.is_additive = true;
+    EXPECT_EQ(nlohmann::json::parse(to_json(tileset))["root"]["refine"], "ADD");
+    EXPECT_EQ(parse_tileset(to_json(tileset)).error().code, ErrorCode::unsupported);
+}
+
 TEST(Tileset, TurnsTheBoxToZUp) {
     const auto tileset = parsed_tileset({tile(0.0, scene::none, 0, 0)});
     const std::vector<double> box = tileset["root"]["boundingVolume"]["box"];

@@ -6,6 +6,7 @@
 
 #include "server/bake/bake.h"
 #include "server/bake/surface_colors.h"
+#include "server/bake/tile_tree.h"
 #include "tests/support/meshes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -184,6 +185,37 @@ TEST_F(PointsTest, MakingThemCanBeCancelledAtEveryStep) {
         ASSERT_FALSE(made) << allowed;
         EXPECT_EQ(made.error().code, ErrorCode::unavailable);
     }
+}
+
+TEST_F(PointsTest, ACloudIsStoredAsTilesThatAddUpToIt) {
+    mesh::Model model;
+    model.kind = mesh::Kind::points;
+    model.mesh = testing::sphere(160);
+    model.mesh.triangles.clear();
+    model.materials.resize(1);
+    model.origin = {1000, 0, 0};
+    const std::size_t points = baked(model).cloud.positions.size();
+    const Result<proto::Asset> asset = store.asset("model");
+    ASSERT_TRUE(asset) << asset.error().message;
+    const Result<TileTree> tree = load_tiles(store, *asset);
+    ASSERT_TRUE(tree) << tree.error().message;
+    EXPECT_TRUE(tree->is_additive);
+    ASSERT_GT(tree->nodes.size(), 1u);
+    std::size_t sum = 0;
+    for (std::size_t i = 0; i < tree->nodes.size(); ++i) {
+        const auto bytes = store::read_file(store.file(tree->hashes[i], "glb")->path, 1 << 30);
+        ASSERT_TRUE(bytes) << bytes.error().message;
+        const auto tile = codec::decode_points(*bytes);
+        ASSERT_TRUE(tile) << tile.error().message;
+        sum += tile->points;
+        const scene::LodNode& node = tree->nodes[i];
+        EXPECT_EQ(node.error > 0.0, node.child_count > 0);
+        for (const Vec3f& p : tile->content.cloud.positions) {
+            const Vec3d at = Vec3d(p) + tile->content.origin;
+            EXPECT_LT(length(at - clamp(at, node.box.min, node.box.max)), 1e-4);
+        }
+    }
+    EXPECT_EQ(sum, points);
 }
 
 }  // namespace
