@@ -23,6 +23,7 @@
 #include "tests/bench/point_codecs.h"
 #include "tests/bench/points_json.h"
 #include "tests/bench/points_paper.h"
+#include "tests/bench/stopwatch.h"
 #include "tests/bench/table.h"
 
 namespace lodestream::bench {
@@ -205,25 +206,35 @@ class Bench {
 
     void run() {
         std::cout << "On " << context_.renderer() << std::endl;
-        for (const std::string& name : arguments_.models) {
-            if (arguments_.scores) score(name);
-            if (arguments_.parameters) vary(name);
-            if (arguments_.share) compare_with_levels(name);
-            if (arguments_.codecs) compare_codecs(name);
-            if (!arguments_.crowds.empty()) time_crowds(name);
-            if (!arguments_.json_file.empty())
-                write_points_run(arguments_.json_file, arguments_.command_line, run_);  // what is done is kept
-        }
+        study(arguments_.scores, &Bench::score);
+        study(arguments_.parameters, &Bench::vary);
+        study(arguments_.share, &Bench::compare_with_levels);
+        study(arguments_.codecs, &Bench::compare_codecs);
+        study(!arguments_.crowds.empty(), &Bench::time_crowds);
         if (arguments_.scores) print_scores();
         if (arguments_.parameters) print_settings();
         if (!arguments_.crowds.empty()) print_crowds();
     }
 
   private:
+    // Keeps what is done after each model.
+    void study(bool is_wanted, void (Bench::*of_model)(const std::string& name)) {
+        if (!is_wanted) return;
+        for (const std::string& name : arguments_.models) {
+            (this->*of_model)(name);
+            if (!arguments_.json_file.empty()) write_points_run(arguments_.json_file, arguments_.command_line, run_);
+        }
+    }
+
     codec::Points make_cloud(const mesh::Model& model, std::uint64_t points) {
+        const Stopwatch watch;
         const points::PointCloud cloud =
             points::resample(model.mesh, points::choose_parameters(model.mesh, points), how_);
-        return content_of(model, points::order(cloud, points, how_.executor), how_.executor);
+        points::OrderedCloud ordered = points::order(cloud, points, how_.executor);
+        const auto took = watch.elapsed();
+        std::cout << model.mesh.triangles.size() << " triangles: " << points << " points, resampled and ordered in "
+                  << fixed(1e-3 * took.wall_ms, 2) << " s, CPU " << fixed(1e-3 * took.cpu_ms, 2) << " s" << std::endl;
+        return content_of(model, std::move(ordered), how_.executor);
     }
     // As many of those that the parameters give as a bake would keep of them.
     codec::Points choose(const mesh::Model& model, const points::Parameters& parameters, HoleFilter filter) {

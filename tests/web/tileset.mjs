@@ -1,4 +1,4 @@
-// 3DTilesRendererJS and CesiumJS load the tileset of every scene: no tile fails, close views are refined down to the leaves
+// 3DTilesRendererJS and CesiumJS load the tileset of every scene and of a cloud: no tile fails, close views are refined down to the leaves
 // (CesiumJS on large scenes: to its usual error, for it draws slowly without a GPU), far ones are not, every leaf is
 // covered once, and the finest picture is that of the whole model.
 //   node tests/web/tileset.mjs LODESTREAM_SERVER [FOLDER_FOR_PICTURES]
@@ -7,7 +7,7 @@ import { tmpdir } from "node:os";
 import path from "node:path";
 
 import { open_browser, open_page, serve_pages } from "./browser.mjs";
-import { copy_models, list_assets, with_server } from "./server.mjs";
+import { copy_models, fetch_plan, list_assets, with_server } from "./server.mjs";
 
 const models = ["gltf/pins_instances.glb", "scene/2CylinderEngine.glb", "scene/CesiumMilkTruck.glb"];
 
@@ -72,17 +72,58 @@ async function check_asset(page, url, asset, pictures) {
   return problems.length;
 }
 
+// Even points on a ball, as a PLY file without faces.
+function ball_of_points(count) {
+  const header = ["ply", "format ascii 1.0", `element vertex ${count}`, ..."x y z nx ny nz".split(" ").map((p) => `property float ${p}`), "end_header"];
+  const lines = Array.from({ length: count }, (_, i) => {
+    const height = 1 - (2 * i + 1) / count, around = Math.sqrt(1 - height * height), turn = i * Math.PI * (3 - Math.sqrt(5));
+    const place = [around * Math.cos(turn), height, around * Math.sin(turn)].join(" ");
+    return `${place} ${place}`;
+  });
+  return `${header.concat(lines).join("\n")}\n`;
+}
+
+// Tiles of points add to each other: from far the root alone is drawn, from near all of them, which are the whole cloud.
+async function check_cloud(page, url, asset, pictures) {
+  const problems = [];
+  const tileset_url = `${url}/v1/assets/${asset.id}/tileset.json`;
+  const tileset = await (await fetch(tileset_url)).json();
+  const all = names([...tiles_below(tileset.root)]);
+  const near = view_of(asset, 2.8, finest_px), far = view_of(asset, 400, usual_px);
+  const whole = { asset: asset.id, primitives: "points", device: { cpu_mhz: 1e9 }, display: { width: 16384, height: 16384 }, preference: { target_fps: 1 } };
+  const { plan } = await fetch_plan(url, whole);
+  const glb = new URL(plan.content.url, url).href;
+  if (all.size < 2) problems.push("one tile alone");
+  const root = await page.evaluate(([t, g, v]) => window.measure_three(t, g, v), [tileset_url, glb, far]);
+  if (!equal(new Set(root.drawn), names([tileset.root]))) problems.push(`three.js, far away: ${root.drawn.length} tiles, not the root`);
+  const three = await page.evaluate(([t, g, v]) => window.measure_three(t, g, v), [tileset_url, glb, near]);
+  await save(pictures, `${asset.id}-three.png`, await page.evaluate(() => window.picture_three()));
+  const cesium = await page.evaluate(([t, v]) => window.measure_cesium(t, v), [tileset_url, near]);
+  await save(pictures, `${asset.id}-cesium.png`, cesium.picture);
+  for (const [viewer, { drawn, failed }] of Object.entries({ "three.js": three, CesiumJS: cesium })) {
+    if (failed > 0) problems.push(`${viewer}: ${failed} tiles failed`);
+    if (!equal(new Set(drawn), all)) problems.push(`${viewer}: ${drawn.length} tiles drawn, not all ${all.size}`);
+  }
+  const { silhouette, color, pixels } = three.difference;
+  if (!(pixels > 0 && silhouette <= most_silhouette && color <= most_color))
+    problems.push(`beside the whole cloud: ${pixels} pixels, ${silhouette} of the silhouette and ${color} of the colours differ`);
+  console.log(`${asset.name}: ${all.size} tiles of ${plan.level.points} points; silhouette ${(100 * silhouette).toFixed(3)} % of ${pixels} pixels differs; ${problems.length} problems`);
+  for (const problem of problems) console.error(`${asset.name}: ${problem}`);
+  return problems.length;
+}
+
 async function check_tilesets(url, pictures) {
   const pages = await serve_pages(new Map());
   const browser = await open_browser();
   try {
-    const scenes = (await list_assets(url)).filter(({ status, hierarchy }) => status === "ready" && hierarchy);
-    if (scenes.length === 0) throw new Error("no scene was baked");
+    const ready = (await list_assets(url)).filter(({ status }) => status === "ready");
+    const scenes = ready.filter(({ hierarchy }) => hierarchy), clouds = ready.filter(({ kind }) => kind === "points");
+    if (scenes.length === 0 || clouds.length === 0) throw new Error("no scene or no cloud was baked");
     let bad = 0;
-    for (const asset of scenes) {
+    for (const asset of [...scenes, ...clouds]) {
       const { page, errors } = await open_page(browser, `${pages.url}/tiles.html`);
       await page.waitForFunction(() => window.measure_cesium);
-      bad += await check_asset(page, url, asset, pictures);
+      bad += await (asset.kind === "points" ? check_cloud : check_asset)(page, url, asset, pictures);
       for (const error of errors) console.error(`${asset.name}: console: ${error}`);
       bad += errors.length;
       await page.close();
@@ -98,6 +139,7 @@ const [server_program, pictures] = process.argv.slice(2);
 const folder = await mkdtemp(path.join(tmpdir(), "lodestream-scenes-"));
 try {
   await copy_models(models, folder);
+  await writeFile(path.join(folder, "ball.ply"), ball_of_points(60_000));
   if (pictures) await mkdir(pictures, { recursive: true });
   process.exitCode = (await with_server(server_program, folder, (url) => check_tilesets(url, pictures))) > 0 ? 1 : 0;
 } finally {

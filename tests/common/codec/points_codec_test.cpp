@@ -256,6 +256,21 @@ TEST(LeanPoints, TakeAboutHalfOfThePlainBytesOfASurface) {
     EXPECT_LT(static_cast<double>(lean(points).size()), 0.5 * static_cast<double>(encoded(points).size()));
 }
 
+TEST(LeanPoints, HugeAndTinyCloudsAreAlike) {
+    for (const double scale : {1e9, 1e-9}) {
+        Points points = some_points(200, true, false);
+        points.origin = Vec3d(0.0);
+        for (Vec3f& p : points.cloud.positions) p *= static_cast<float>(scale);
+        points.levels = {{200, {0.25 * scale, 0.5 * scale}, 0.125 * scale}};
+        points.grid = grid_of(points);
+        const auto decoded = decode_points(lean(points));
+        ASSERT_TRUE(decoded) << decoded.error().message;
+        EXPECT_LT(
+            farthest(points.cloud.positions, points.origin, decoded->content.cloud.positions, decoded->content.origin),
+            0.125 * lean_step_share * scale);
+    }
+}
+
 TEST(LeanPoints, OfNoneOneOrNormalsThatAreNoneAreFine) {
     const auto none = decode_points(lean(some_points(0)));
     ASSERT_TRUE(none);
