@@ -14,13 +14,6 @@ using proto::CodecTrial;
 constexpr const char* reference_codec = "draco";
 constexpr std::size_t max_codec_plots = 4;  // shown at once; the others are folded
 
-std::vector<std::string> distinct(const std::vector<CodecTrial>& trials, std::string CodecTrial::*name) {
-    std::vector<std::string> names;
-    for (const CodecTrial& trial : trials)
-        if (std::ranges::count(names, trial.*name) == 0) names.push_back(trial.*name);
-    return names;
-}
-
 // One codec on one model, by rising bytes: settings that no smaller one comes nearer than.
 std::vector<CodecTrial> curve_of(const std::vector<CodecTrial>& trials, const std::string& model,
                                  const std::string& codec) {

@@ -13,14 +13,6 @@ using proto::PointsSetting;
 
 constexpr const char* whole_crowd = "all";
 
-template <class Row>
-std::vector<std::string> distinct(const std::vector<Row>& rows, std::string Row::*name) {
-    std::vector<std::string> names;
-    for (const Row& row : rows)
-        if (std::ranges::count(names, row.*name) == 0) names.push_back(row.*name);
-    return names;
-}
-
 std::string source_of(const proto::PointsRun& run) {
     return " Measured apart from this report: " + source_line(provenance_of(run.origin));
 }
@@ -235,7 +227,9 @@ Section points_settings_section(const proto::PointsRun& run) {
 Section points_crowds_section(const proto::PointsRun& run) {
     Section section{"points_crowds", "Frame rates of crowds of points", {}, {}, {}, {}, {}};
     section.text_html =
-        "<p>A square of instances, drawn in turns as full models and each as the points that its distance asks for, "
+        "<p>A square of instances, drawn in turns as full models and each as the points that its distance asks for, in "
+        "CPU "
+        "time of the software renderer, "
         "the paper’s levels or, where the scan at hand is smaller than the paper’s, as much smaller ones. The paper’s "
         "gains are of a Nexus 7 up to 289 instances and of a GTX 750 beyond, whose frame rates it tells as whole "
         "numbers." +

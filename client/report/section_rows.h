@@ -1,6 +1,7 @@
 // What the sections share: their rows, and tables and plots made from rows.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <string>
@@ -31,6 +32,15 @@ Table table_of(const std::vector<Row>& rows, const std::vector<Field<Row>>& fiel
         for (const auto& field : fields) cells.push_back(field.value(row));
     }
     return table;
+}
+
+// The names that rows have, as they come.
+template <class Row>
+std::vector<std::string> distinct(const std::vector<Row>& rows, std::string Row::*name) {
+    std::vector<std::string> names;
+    for (const Row& row : rows)
+        if (std::find(names.begin(), names.end(), row.*name) == names.end()) names.push_back(row.*name);
+    return names;
 }
 
 // An asset on a device.

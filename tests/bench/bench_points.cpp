@@ -336,21 +336,21 @@ class Bench {
             for (const std::uint32_t side : paper_steps)
                 panels.push_back(try_setting(varied, {"side", filter, finest, side, 1.0}));
             if (filter.filter == points::ResampleOptions{}.filter)
-                add_picture(name, "images of 100, 80, 60, 40, 20 px", panels);
+                add_picture(name, "full model, then images of 100, 80, 60, 40, 20 px", panels);
             begin();
             for (const std::uint32_t slices : paper_steps)
                 panels.push_back(try_setting(varied, {"slices", filter, slices, finest, 1.0}));
             if (filter.filter == points::ResampleOptions{}.filter)
-                add_picture(name, "100, 80, 60, 40, 20 slices", panels);
+                add_picture(name, "full model, then 100, 80, 60, 40, 20 slices", panels);
         }
         begin();
         for (const double size : paper_point_sizes)
             panels.push_back(try_setting(varied, {"point size", filters[0], finest, finest, size}));
-        add_picture(name, "points 1.67, 1.33, 1, 0.67, 0.33 times as large as fits", panels);
+        add_picture(name, "full model, then points 1.67, 1.33, 1, 0.67, 0.33 times as large as fits", panels);
         begin();
         for (const NamedFilter& filter : filters)
             panels.push_back(try_setting(varied, {"filter", filter, finest, finest, 2.0 / 3.0}));
-        add_picture(name, "filters none, gaussian, median, opposites; points of 0.67", panels);
+        add_picture(name, "full model, then filters none, gaussian, median, opposites; points of 0.67", panels);
     }
 
     struct Varied {
@@ -466,7 +466,7 @@ class Bench {
         std::cout << "\n" << name << ": bytes a point\n" << to_text(table);
     }
 
-    // Frame times of a square of instances, full models against points by distance.
+    // What frames of a square of instances take, full models against points by distance.
     void time_crowds(const std::string& name) {
         const mesh::Model model = load(name);
         const PointsPaper* paper = paper_of(name);
@@ -489,7 +489,7 @@ class Bench {
         }
     }
 
-    // In turns, and the median of each.
+    // CPU time of all the software renderer's threads, in turns, and the median of each.
     void time_crowd(const report::CrowdModel& crowd, std::uint32_t side, proto::PointsCrowd& row) {
         shading::View view;
         view.target = crowd.bounds.center();
@@ -502,12 +502,14 @@ class Bench {
         options.instances = report::crowd_of(crowd, {side, 1, side}, view.eye);
         std::vector<double> full_ms, points_ms;
         for (int turn = 0; turn < (row.full_triangles <= repeated_crowd_triangles ? turns : 1); ++turn) {
-            const render::Frame points = checked(points_.draw(view, options));
-            const render::Frame full = checked(full_.draw(view, options));
-            points_ms.push_back(points.frame_ms);
-            full_ms.push_back(full.frame_ms);
-            row.full_triangles = full.triangles;
-            row.points = points.points;
+            const auto timed = [&](render::Renderer& renderer, std::vector<double>& cpu_ms) {
+                const Stopwatch watch;
+                const render::Frame frame = checked(renderer.draw(view, options));
+                cpu_ms.push_back(watch.elapsed().cpu_ms);
+                return frame;
+            };
+            row.points = timed(points_, points_ms).points;
+            row.full_triangles = timed(full_, full_ms).triangles;
         }
         row.full_ms = median(full_ms);
         row.points_ms = median(points_ms);
@@ -549,7 +551,7 @@ class Bench {
     }
 
     void print_crowds() const {
-        std::cout << "\nFrame times of crowds\n";
+        std::cout << "\nFrames of crowds, CPU time\n";
         std::vector<TableRow> table{
             {"model", "instances", "full ms", "points ms", "gain", "paper's", "full triangles", "points"}};
         for (const proto::PointsCrowd& row : run_.crowds)
