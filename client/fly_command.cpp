@@ -125,7 +125,8 @@ Status fly(const FlyArguments& arguments) {
         if (auto made = make_folder(*arguments.frames); !made) return made;
         options.on_frame = png_writer(*arguments.frames);
     }
-    const auto costs = fly::measure_costs(*renderer, *scenery, options.screen);
+    if (auto checked = check_blur(*renderer, *scenery, options); !checked) return checked;
+    const auto costs = fly::measure_costs(*renderer, *scenery, options.screen, options.control.blur.enabled);
     if (!costs) return costs.error();
     options.control.predictive.first_guess = *costs;
     auto plan = plan_of(arguments, options);
@@ -135,7 +136,6 @@ Status fly(const FlyArguments& arguments) {
     if (*plan) options.distance_steps = [&] { return (*plan)->distance_steps(); };
     std::vector<fly::SplitFrame> splits;
     if (is_hybrid) options.on_split = [&](const fly::SplitFrame& split) { splits.push_back(split); };
-    if (auto checked = check_blur(*renderer, *scenery, options); !checked) return checked;
     const auto frames = fly::fly(*renderer, *scenery, *trace, options);
     if (!frames) return frames.error();
     if (auto written = write_text(arguments.out, to_csv(*frames, splits)); !written) return written;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <thread>
 
 namespace lodestream::fly {
 
@@ -51,6 +52,7 @@ class Pilot {
     Result<control::FrameOutcome> draw_frame(const control::FrameRequest& request) {
         const SceneryLevel& level = scenery_.levels[request.level];
         const shading::View view = view_of(home_, request.poses.back());
+        wait_for_display();
         double upload_ms = 0.0;
         if (level_ != request.level) {
             const auto start = Clock::now();
@@ -76,6 +78,14 @@ class Pilot {
         double squared_change = 0.0;          // the bound, model units²
         double pixels_per_unit = 0.0;         // at the level's nearest point
     };
+
+    // A frame begins a deadline after the one before at the soonest, as on a display, so that a flight takes the time
+    // that it shows and leaves the device as much rest.
+    void wait_for_display() {
+        std::this_thread::sleep_until(next_);
+        const std::chrono::duration<double, std::milli> deadline(control::deadline_ms(options_.control));
+        next_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(deadline);
+    }
 
     // The border keeps its share of the triangles from level to level.
     void enter(const SceneryLevel& level) {
@@ -121,6 +131,7 @@ class Pilot {
     const Scenery& scenery_;
     const PilotOptions& options_;
     shading::View home_;
+    Clock::time_point next_{};  // frame, at the soonest
     std::optional<std::uint32_t> level_;
     std::optional<shading::SplitState> split_;  // of a movable level
     std::uint64_t triangles_ = 0;               // likewise
@@ -164,7 +175,8 @@ Result<LevelTimes> time_level(render::Renderer& renderer, const Scenery& scenery
     return times;
 }
 
-Result<control::FrameCosts> measure_costs(render::Renderer& renderer, const Scenery& scenery, const Screen& screen) {
+Result<control::FrameCosts> measure_costs(render::Renderer& renderer, const Scenery& scenery, const Screen& screen,
+                                          bool blurs) {
     const auto finest = time_level(renderer, scenery, 0, screen);
     if (!finest) return finest.error();
     const std::size_t last = scenery.levels.size() - 1;
@@ -175,20 +187,25 @@ Result<control::FrameCosts> measure_costs(render::Renderer& renderer, const Scen
     small.height = std::max(1u, screen.height / small_screen_divisor);
     const auto small_ms = time_frame(renderer, scenery, {motion::Pose{}}, small);
     if (!small_ms) return small_ms.error();
+    const std::uint32_t exposures = blurs ? control::max_exposures : 1;
+    const auto blurred_ms = time_frame(renderer, scenery, std::vector<motion::Pose>(exposures), screen);
+    if (!blurred_ms) return blurred_ms.error();
 
     const double millions = 1e-6 * static_cast<double>(scenery.levels[0].triangles);
-    const double more_millions = millions - 1e-6 * static_cast<double>(scenery.levels[last].triangles);
+    const double few_millions = 1e-6 * static_cast<double>(scenery.levels[last].triangles);
     const double megapixels = 1e-6 * screen.width * screen.height;
     const double fewer_megapixels = megapixels - 1e-6 * small.width * small.height;
     control::FrameCosts costs;
-    costs.per_million_triangles_ms = more_millions > 0.0
-                                         ? positive((finest->draw_ms - coarsest->draw_ms) / more_millions)
+    costs.per_million_triangles_ms = millions > few_millions
+                                         ? positive((finest->draw_ms - coarsest->draw_ms) / (millions - few_millions))
                                          : positive(finest->draw_ms / millions);
-    costs.per_million_pixels_ms =
-        positive(fewer_megapixels > 0.0 ? (coarsest->draw_ms - *small_ms) / fewer_megapixels : 0.0);
+    const double exposure_ms = blurs ? (*blurred_ms - coarsest->draw_ms) / (exposures - 1) : 0.0;
+    costs.per_million_covered_ms = positive((exposure_ms - few_millions * costs.per_million_triangles_ms) / megapixels);
+    const double pixels_ms = fewer_megapixels > 0.0 ? (coarsest->draw_ms - *small_ms) / fewer_megapixels : 0.0;
+    costs.per_million_pixels_ms = positive(pixels_ms - costs.per_million_covered_ms);
     costs.per_million_uploaded_ms = positive(finest->upload_ms / millions);
     costs.fixed_ms = positive(finest->draw_ms - millions * costs.per_million_triangles_ms -
-                              megapixels * costs.per_million_pixels_ms);
+                              megapixels * (costs.per_million_pixels_ms + costs.per_million_covered_ms));
     return costs;
 }
 

@@ -50,8 +50,10 @@ struct PilotOptions {
 };
 
 // What the renderer needs for this scenery on this screen: a few frames and uploads each of the finest and coarsest
-// level, the first of each left out. The predictive controller's first guess. Errors: those of the renderer.
-Result<control::FrameCosts> measure_costs(render::Renderer& renderer, const Scenery& scenery, const Screen& screen);
+// level, the first of each left out, the coarsest also at a small size and with all exposures. The predictive
+// controller's first guess. `blurs`: frames have several exposures. Errors: those of the renderer.
+Result<control::FrameCosts> measure_costs(render::Renderer& renderer, const Scenery& scenery, const Screen& screen,
+                                          bool blurs = true);
 
 // Milliseconds of one exposure of a level and of putting it on the GPU, the least of a few.
 struct LevelTimes {

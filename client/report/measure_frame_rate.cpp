@@ -48,6 +48,11 @@ Result<proto::Asset> flown_asset(sdk::Client& client) {
     return std::move(*found);
 }
 
+Status begin(const FrameRateOptions& options, const std::string& step) {
+    if (options.progress(step)) return Nothing{};
+    return fail(ErrorCode::unavailable, "interrupted");
+}
+
 // Three levels and a screen that make the paper's case on this renderer.
 struct Scene {
     fly::Scenery scenery;
@@ -62,10 +67,6 @@ class FrameRate {
     Result<FrameRateResult> run(const proto::Asset& asset, const fly::Scenery& ladder);
 
   private:
-    Status begin(const std::string& step) {
-        if (options_.progress(step)) return Nothing{};
-        return fail(ErrorCode::unavailable, "interrupted");
-    }
     Result<bool> fits(const fly::Scenery& scenery, std::size_t level, const fly::Screen& screen, double exposures,
                       double limit_ms);
     Result<std::optional<std::size_t>> finest_level(const fly::Scenery& ladder, const fly::Screen& screen,
@@ -76,7 +77,6 @@ class FrameRate {
     Result<FlightResult> fly_one(const Scene& scene, const motion::Trace& trace, control::Kind kind,
                                  const control::FrameCosts& costs);
     Result<BlurResult> measure_blur(const Scene& scene, std::uint32_t exposures);
-    Status add_sweep(FrameRateResult& result);
 
     render::Renderer& renderer_;
     const FrameRateOptions& options_;
@@ -167,7 +167,7 @@ Result<double> image_error_percent(render::Renderer& renderer, const Scene& scen
 
 Result<FlightResult> FrameRate::fly_one(const Scene& scene, const motion::Trace& trace, control::Kind kind,
                                         const control::FrameCosts& costs) {
-    if (auto going_on = begin(std::string("frame rate: ") + control::kind_name(kind)); !going_on)
+    if (auto going_on = begin(options_, std::string("frame rate: ") + control::kind_name(kind)); !going_on)
         return going_on.error();
     std::vector<Shown> shown;
     std::size_t count = 0;
@@ -249,11 +249,12 @@ SweepDistribution distribution(const Sweep& sweep, std::size_t kind) {
     return out;
 }
 
-Status FrameRate::add_sweep(FrameRateResult& result) {
+Status add_sweep(const FrameRateOptions& options, FrameRateResult& result) {
     constexpr std::uint64_t all_devices = 1000, quick_devices = 60;
     constexpr double seconds = 8.0;
-    result.devices = options_.quick ? quick_devices : all_devices;
-    if (auto going_on = begin("frame rate: " + std::to_string(result.devices) + " simulated devices"); !going_on)
+    result.devices = options.quick ? quick_devices : all_devices;
+    if (auto going_on = begin(options, "frame rate: " + std::to_string(result.devices) + " simulated devices");
+        !going_on)
         return going_on;
     const auto traces = simulate::sweep_traces(seconds);
     const auto sweep = sweep_on_all_cores(traces, result.devices);
@@ -267,7 +268,8 @@ Status FrameRate::add_sweep(FrameRateResult& result) {
 }
 
 Result<FrameRateResult> FrameRate::run(const proto::Asset& asset, const fly::Scenery& ladder) {
-    if (auto going_on = begin("frame rate: finding three levels of " + asset.name); !going_on) return going_on.error();
+    if (auto going_on = begin(options_, "frame rate: finding three levels of " + asset.name); !going_on)
+        return going_on.error();
     const auto scene = find_scene(ladder);
     if (!scene) return scene.error();
     const auto trace = motion::built_in({motion::Kind::reversal, options_.quick ? 4.0 : 10.0, fastest_deg_s, 1});
@@ -292,19 +294,26 @@ Result<FrameRateResult> FrameRate::run(const proto::Asset& asset, const fly::Sce
         if (!blur) return blur.error();
         result.blur.push_back(*blur);
     }
-    if (auto swept = add_sweep(result); !swept) return swept.error();
     return result;
 }
 
 }  // namespace
 
-Result<FrameRateResult> measure_frame_rate(sdk::Client& client, render::Renderer& renderer,
-                                           const FrameRateOptions& options) {
+Result<FrameRateResult> measure_flights(sdk::Client& client, render::Renderer& renderer,
+                                        const FrameRateOptions& options) {
     const auto asset = flown_asset(client);
     if (!asset) return asset.error();
     const auto ladder = fly::fetch_scenery(client, asset->id, max_flown_triangles);
     if (!ladder) return ladder.error();
     return FrameRate(renderer, options).run(*asset, *ladder);
+}
+
+Result<FrameRateResult> measure_frame_rate(sdk::Client& client, render::Renderer& renderer,
+                                           const FrameRateOptions& options) {
+    auto result = measure_flights(client, renderer, options);
+    if (!result) return result;
+    if (auto swept = add_sweep(options, *result); !swept) return swept.error();
+    return result;
 }
 
 }  // namespace lodestream::report

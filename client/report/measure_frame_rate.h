@@ -16,8 +16,13 @@ struct FrameRateOptions {
     std::function<bool(const std::string&)> progress;  // false: stop. Never empty
 };
 
-// Flies over the largest terrain that is ready, or over the largest asset where there is none. Errors: those of client
-// and renderer, unavailable (`progress` said to stop; no level is cheap enough to fly), not_found (no asset is ready).
+// Flies over the largest terrain that is ready, or over the largest asset where there is none: flights and blur,
+// without simulated devices. Errors: those of client and renderer, unavailable (`progress` said to stop; no level is
+// cheap enough to fly), not_found (no asset is ready).
+Result<FrameRateResult> measure_flights(sdk::Client& client, render::Renderer& renderer,
+                                        const FrameRateOptions& options);
+
+// All of it. Errors likewise.
 Result<FrameRateResult> measure_frame_rate(sdk::Client& client, render::Renderer& renderer,
                                            const FrameRateOptions& options);
 

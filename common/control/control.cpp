@@ -92,8 +92,13 @@ double deadline_ms(const Options& options) {
 Work work_of(std::span<const Level> ladder, std::uint32_t level, std::uint32_t exposures, bool switched,
              const Measurement& now) {
     const auto triangles = static_cast<double>(ladder[level].triangles);
-    return {
-        level, triangles, static_cast<double>(exposures), now.pixels, switched ? triangles : 0.0, now.background_load};
+    return {level,
+            triangles,
+            static_cast<double>(exposures),
+            now.pixels,
+            switched ? triangles : 0.0,
+            now.background_load,
+            now.pixels};
 }
 
 Status check(std::span<const Level> ladder, const Options& options) {

@@ -63,8 +63,8 @@ struct PredictiveOptions {
         0.97;                     // of the deadline that a frame may be predicted to take; lower: fewer misses, coarser
     double refine_share = 0.90;   // of the deadline, for a finer level; lower: fewer switches, coarser
     double look_ahead_s = 0.10;   // along the motion; longer: earlier coarsening
-    double hold_s = 0.25;         // finer only where what moved within it would fit; longer: fewer switches, coarser
-    double refine_wait_s = 0.25;  // between a switch and a finer level; doubled after each that had to be undone
+    double hold_s = 0.08;         // finer only where what moved within it would fit; longer: fewer switches, coarser
+    double refine_wait_s = 0.10;  // between a switch and a finer level; likewise
 };
 
 struct Options {
@@ -79,8 +79,8 @@ double deadline_ms(const Options& options);
 struct PredictiveState {
     bool started = false;
     FrameTimeModel model;
-    Work work;  // of the frame before
-    double refine_wait_s = 0.0;
+    Work work;                                // of the frame before
+    std::array<std::uint32_t, 3> mistakes{};  // finer levels that were left soon, at 1, 2 and 4 exposures
     double since_switch_s = 0.0;
     bool last_was_refinement = false;
     std::uint32_t exposures_at_switch = 1;

@@ -1,10 +1,12 @@
-// What a frame costs on a device, first guessed and then learned while it runs: fixed + triangles + pixels + level
-// change
-// + decoding.
+// What a frame costs on a device, first guessed and then learned while it runs: fixed + pixels of the picture +
+// exposures
+// * (triangles + pixels covered) + level change + decoding.
 //
-// The five parts are tracked by a Kalman filter in units of their first guess. Its process noise moves mostly all costs
+// The six parts are tracked by a Kalman filter in units of their first guess. Its process noise moves mostly all costs
 // together, as throttling and other load do, so that a slower device is noticed within a few frames at any level; a
-// single cost drifts slowly. A slow correction per level takes what is not linear. Outliers are clipped.
+// single cost drifts slowly. A slow correction per level takes what is not linear. Outliers are clipped; several of
+// them in a row, all longer or all shorter than predicted, are a change, which is followed the faster the longer it
+// lasts.
 #pragma once
 
 #include <array>
@@ -19,12 +21,12 @@ inline constexpr double max_frame_ms = 1e5;    // a longer one counts as that lo
 struct FrameCosts {
     double fixed_ms = 2.0;
     double per_million_triangles_ms = 100.0;
-    double per_million_pixels_ms = 5.0;      // of the picture: cleared, resolved
+    double per_million_pixels_ms = 1.0;      // of the picture: cleared, resolved, once however many exposures it has
     double per_million_uploaded_ms = 100.0;  // triangles of a level that was switched to
     double background_ms = 5.0;              // decoding that keeps one core busy all the frame long
+    double per_million_covered_ms = 4.0;     // px that triangles cover
     // What else a probe tells apart; 0: nothing, the costs above have it.
     double per_million_vertices_ms = 0.0;
-    double per_million_covered_ms = 0.0;   // px that triangles cover
     double per_million_textured_ms = 0.0;  // px of them that read an image: on top
     double per_million_extent_ms = 0.0;    // px of their sides: what a triangle costs beside its pixels grows so
 };
@@ -34,12 +36,12 @@ struct Work {
     std::uint32_t level = 0;          // < max_levels
     double triangles = 0.0;           // of the level
     double exposures = 1.0;           // times that the scene is drawn
-    double pixels = 0.0;              // of one exposure
+    double pixels = 0.0;              // of the picture
     double uploaded_triangles = 0.0;  // 0 where the level is that of the frame before
     double background_load = 0.0;     // decoding beside it, share of a core, [0, 1]
-    // Of one exposure, where it is known; else 0.
+    // Of one exposure. Those below are 0 where they are not known.
+    double covered_px = 0.0;   // as shading::ScreenExtent, or all pixels where that is not known
     double vertices = 0.0;     // that are lit
-    double covered_px = 0.0;   // as shading::ScreenExtent
     double textured_px = 0.0;  // of covered_px
     double extent_px = 0.0;    // likewise
 };
@@ -48,13 +50,15 @@ struct Work {
 double frame_ms(const FrameCosts& costs, const Work& work);
 
 struct FrameTimeModel {
-    static constexpr std::size_t size = 5;
+    static constexpr std::size_t size = 6;
     using Vector = std::array<double, size>;
 
     FrameCosts first_guess;
-    Vector share{};  // of first_guess that each part costs: fixed, triangles, pixels, uploaded, background; starts as 1
+    Vector share{};  // of first_guess that each part costs, starts as 1: fixed, picture, triangles, covered, uploaded,
+                     // background
     std::array<Vector, size> covariance{};
     std::array<double, max_levels> level_factor{};  // on top, for that level; starts as 1
+    int outliers = 0;                               // in a row; below 0: shorter than predicted
     double spread = 0.0;                            // mean deviation of measured from predicted, as a share
 };
 

@@ -9,7 +9,8 @@ namespace {
 
 constexpr double long_ago_s = 1e6;
 constexpr double undone_within_s = 1.0;  // a finer level that is left sooner without more motion was a mistake
-constexpr double longest_refine_wait_s = 8.0;
+constexpr double mistake_share = 0.93;   // of the room for a finer level, after each mistake
+constexpr std::uint32_t most_mistakes = 4;
 constexpr double budget_share_to_refine = 0.9;
 
 // One frame's question, with everything that the answer depends on.
@@ -47,6 +48,11 @@ std::uint32_t recent_switches(const PredictiveState& state) {
                                                     [](double since_s) { return since_s <= 1.0; }));
 }
 
+// 0, 1 and 2 for 1, 2 and 4.
+std::size_t index_of(std::uint32_t exposures) {
+    return exposures >= max_exposures ? 2 : exposures - 1;
+}
+
 // The coarsest where nothing fits. Where the upload alone breaks this frame's deadline, the frames after it count.
 std::uint32_t finest_that_fits(const Question& q, double share) {
     const auto last = static_cast<std::uint32_t>(q.ladder.size()) - 1;
@@ -70,12 +76,12 @@ bool must_coarsen(const Question& q) {
 // The finest of the finer levels that may be taken now, or the same level.
 std::uint32_t refined(const Question& q) {
     const PredictiveOptions& options = q.options.predictive;
-    const bool allowed = q.state.since_switch_s >= q.state.refine_wait_s &&
+    const bool allowed = q.state.since_switch_s >= options.refine_wait_s &&
                          recent_switches(q.state) + 2 <= max_switches_per_s;  // this one and one to undo it
     if (!allowed) return q.level;
+    const double share = options.refine_share * std::pow(mistake_share, q.state.mistakes[index_of(q.exposures_held)]);
     for (std::uint32_t level = 0; level < q.level; ++level)
-        if (within_budget(q, level, budget_share_to_refine) &&
-            fits(q, level, q.exposures_held, false, options.refine_share) &&
+        if (within_budget(q, level, budget_share_to_refine) && fits(q, level, q.exposures_held, false, share) &&
             fits(q, level, q.exposures, true, options.deadline_share))
             return level;
     return q.level;
@@ -105,15 +111,21 @@ std::uint32_t held_exposures(const PredictiveState& state, double hold_s) {
     return state.since_exposures_s[0] <= hold_s ? 2 : 1;
 }
 
-void note_switch(PredictiveState& state, bool finer, std::uint32_t exposures, double base_wait_s) {
-    const bool undone = !finer && state.last_was_refinement && state.since_switch_s < undone_within_s &&
-                        exposures <= state.exposures_at_switch;
-    const bool lasted = state.since_switch_s >= undone_within_s;
-    if (undone) state.refine_wait_s = std::min(2.0 * state.refine_wait_s, longest_refine_wait_s);
-    if (finer && lasted) state.refine_wait_s = std::max(0.5 * state.refine_wait_s, base_wait_s);
+// A finer level that had to be left is a mistake, one that lasted takes a mistake back.
+void judge_refinement(PredictiveState& state, bool finer, std::uint32_t exposures) {
+    if (!state.last_was_refinement) return;
+    std::uint32_t& mistakes = state.mistakes[index_of(state.exposures_at_switch)];
+    if (state.since_switch_s >= undone_within_s)
+        mistakes -= mistakes > 0 ? 1 : 0;
+    else if (!finer && exposures <= state.exposures_at_switch)
+        mistakes = std::min(mistakes + 1, most_mistakes);
+}
+
+void note_switch(PredictiveState& state, bool finer, const Question& q) {
+    judge_refinement(state, finer, q.exposures_ahead);
     state.since_switch_s = 0.0;
     state.last_was_refinement = finer;
-    state.exposures_at_switch = exposures;
+    state.exposures_at_switch = q.exposures_held;
     std::rotate(state.since_switches_s.begin(), state.since_switches_s.end() - 1, state.since_switches_s.end());
     state.since_switches_s.front() = 0.0;
 }
@@ -121,7 +133,6 @@ void note_switch(PredictiveState& state, bool finer, std::uint32_t exposures, do
 PredictiveState first_state(const PredictiveOptions& options) {
     PredictiveState state;
     state.model = make_model(options.first_guess);
-    state.refine_wait_s = options.refine_wait_s;
     state.since_switch_s = long_ago_s;
     state.since_exposures_s.fill(long_ago_s);
     state.since_switches_s.fill(long_ago_s);
@@ -137,7 +148,8 @@ Prediction predict(PredictiveState state, std::uint32_t level, const Measurement
     pass_time(state, now.interval_s);
     if (!first) state.model = learn(std::move(state.model), state.work, now.frame_ms);
 
-    const double speed_ahead = now.speed_deg_s + std::max(acceleration_deg_s2, 0.0) * options.predictive.look_ahead_s;
+    // A view that slows down as fast as that turns back rather than stops.
+    const double speed_ahead = std::abs(now.speed_deg_s + acceleration_deg_s2 * options.predictive.look_ahead_s);
     Question q{state, level, now, ladder, options, safety_factor(state.model)};
     q.exposures = exposures(now.speed_deg_s, options.blur);
     q.exposures_ahead = std::max(q.exposures, exposures(speed_ahead, options.blur));
@@ -147,7 +159,7 @@ Prediction predict(PredictiveState state, std::uint32_t level, const Measurement
     const std::uint32_t chosen = choose(q);
     const bool switched = !first && chosen != level;
     const Work work = work_of(q, chosen, q.exposures, switched);
-    if (switched) note_switch(state, chosen < level, q.exposures, options.predictive.refine_wait_s);
+    if (switched) note_switch(state, chosen < level, q);
     state.work = work;
     state.started = true;
     const double predicted_ms = predict_ms(state.model, work);

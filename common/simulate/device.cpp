@@ -12,11 +12,12 @@ namespace {
 constexpr double throttles_above = 0.5;
 constexpr double least_noise_factor = 0.5, most_noise_factor = 2.0;
 constexpr double fixed_share = 0.1;
+constexpr double picture_share = 0.2;  // of what pixels take: once, not for each exposure
 
 double busy_ms(const control::FrameCosts& costs, const control::Work& work) {
-    const double drawn =
-        work.exposures * (work.triangles * costs.per_million_triangles_ms + work.pixels * costs.per_million_pixels_ms);
-    return costs.fixed_ms + 1e-6 * (drawn + work.uploaded_triangles * costs.per_million_uploaded_ms);
+    control::Work alone = work;
+    alone.background_load = 0.0;
+    return control::frame_ms(costs, alone);
 }
 
 double throttle(const Device& device, double heat) {
@@ -58,7 +59,8 @@ Device calibrated(double triangles_per_second, double pixels_per_second, double 
     Device device;
     device.costs.fixed_ms = fixed_ms;
     device.costs.per_million_triangles_ms = 1e9 / triangles_per_second;
-    device.costs.per_million_pixels_ms = 1e9 / pixels_per_second;
+    device.costs.per_million_pixels_ms = 0.0;
+    device.costs.per_million_covered_ms = 1e9 / pixels_per_second;
     device.costs.per_million_uploaded_ms = device.costs.per_million_triangles_ms;
     return device;
 }
@@ -69,9 +71,11 @@ Device random_device(const Population& population, std::uint64_t seed) {
     device.seed = random.next();
     const double least_ms = population.deadline_ms * random.uniform(0.40, 0.75);
     const double for_pixels = random.uniform(0.2, 0.7);  // of what the coarsest level takes
+    const double for_covered = (1.0 - picture_share) * for_pixels;
     const double exposures = control::max_exposures;
     device.costs.fixed_ms = fixed_share * least_ms;
-    device.costs.per_million_pixels_ms = for_pixels * least_ms / (exposures * population.pixels * 1e-6);
+    device.costs.per_million_pixels_ms = picture_share * for_pixels * least_ms / (population.pixels * 1e-6);
+    device.costs.per_million_covered_ms = for_covered * least_ms / (exposures * population.pixels * 1e-6);
     device.costs.per_million_triangles_ms =
         (1.0 - for_pixels - fixed_share) * least_ms / (exposures * population.coarsest_triangles * 1e-6);
     device.costs.per_million_uploaded_ms = device.costs.per_million_triangles_ms * random.uniform(0.2, 1.0);

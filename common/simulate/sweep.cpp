@@ -18,7 +18,7 @@ control::FrameCosts probed(const Device& device, double error) {
     Random random(~device.seed);
     control::FrameCosts costs = device.costs;
     for (double* cost : {&costs.fixed_ms, &costs.per_million_triangles_ms, &costs.per_million_pixels_ms,
-                         &costs.per_million_uploaded_ms, &costs.background_ms})
+                         &costs.per_million_covered_ms, &costs.per_million_uploaded_ms, &costs.background_ms})
         *cost *= std::exp(error * random.normal());
     return costs;
 }
@@ -32,7 +32,7 @@ Result<control::FlightSummary> fly_one(const control::Flight& flight, const Devi
         const auto triangles = static_cast<double>(level.triangles);
         DrawnFrame drawn = draw(device, state,
                                 {request.level, triangles, static_cast<double>(request.poses.size()), flight.pixels,
-                                 request.switched ? triangles : 0.0, 0.0},
+                                 request.switched ? triangles : 0.0, 0.0, flight.pixels},
                                 deadline);
         state = drawn.state;
         return Result<control::FrameOutcome>({drawn.frame_ms, drawn.background_load, level.error_px});

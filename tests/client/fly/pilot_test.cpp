@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "common/control/speed_controllers.h"
@@ -71,12 +72,25 @@ TEST_F(PilotTest, EndsWhenThePicturesTakerFails) {
     EXPECT_EQ(frames.error().message, "full");
 }
 
+TEST_F(PilotTest, AFlightTakesTheTimeThatItShows) {
+    PilotOptions options;
+    options.screen = screen;
+    const auto begin = std::chrono::steady_clock::now();
+    const auto frames = fly(*renderer, spheres(), {{0.0, {}}, {0.5, {}}}, options);
+    ASSERT_TRUE(frames) << frames.error().message;
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+    EXPECT_GE(passed.count(), static_cast<double>(frames->size() - 1) / 60.0);
+}
+
 TEST_F(PilotTest, MeasuresCostsThatAreAboveZero) {
     const auto costs = measure_costs(*renderer, spheres(), screen);
     ASSERT_TRUE(costs) << costs.error().message;
-    for (const double cost : {costs->fixed_ms, costs->per_million_triangles_ms, costs->per_million_pixels_ms,
-                              costs->per_million_uploaded_ms})
-        EXPECT_GT(cost, 0.0);
+    const auto sharp = measure_costs(*renderer, spheres(), screen, false);
+    ASSERT_TRUE(sharp) << sharp.error().message;
+    for (const control::FrameCosts& some : {*costs, *sharp})
+        for (const double cost : {some.fixed_ms, some.per_million_triangles_ms, some.per_million_pixels_ms,
+                                  some.per_million_covered_ms, some.per_million_uploaded_ms})
+            EXPECT_GT(cost, 0.0);
 }
 
 TEST_F(PilotTest, ABlurredPictureDiffersFromASharpOneAndAStillOneDoesNot) {

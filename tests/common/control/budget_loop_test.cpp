@@ -18,19 +18,20 @@ constexpr std::uint32_t width = 800, height = 600;
 
 // A device with costs of its own, of which the loop knows nothing but the frames.
 struct Device {
-    FrameCosts costs{1.0, 50.0, 4.0, 50.0, 5.0};
+    FrameCosts costs{1.0, 50.0, 1.0, 50.0, 5.0, 3.0};
     double slower = 1.0;
     double noise = 0.0;
     Random random{3};
 
     double frame_ms(const Work& work) {
         const double ms = costs.fixed_ms + 1e-6 * (work.triangles * costs.per_million_triangles_ms +
-                                                   work.pixels * costs.per_million_pixels_ms);
+                                                   work.pixels * costs.per_million_pixels_ms +
+                                                   work.covered_px * costs.per_million_covered_ms);
         return ms * slower * (1.0 + noise * (2.0 * random.uniform() - 1.0));
     }
     double triangles_per_second() const {
-        const double left_ms =
-            deadline_ms / slower - costs.fixed_ms - 1e-6 * width * height * costs.per_million_pixels_ms;
+        const double left_ms = deadline_ms / slower - costs.fixed_ms -
+                               1e-6 * width * height * (costs.per_million_pixels_ms + costs.per_million_covered_ms);
         return 60e6 * left_ms / costs.per_million_triangles_ms;
     }
 };
@@ -48,7 +49,7 @@ struct Loop {
         for (const double end_s = t_s + seconds; t_s < end_s;) {
             Work work;
             work.triangles = std::round(level_share * budget);
-            work.pixels = width * height;
+            work.pixels = work.covered_px = width * height;
             const double ms = device.frame_ms(work);
             const double interval_s = std::max(ms, deadline_ms) / 1000.0;
             t_s += interval_s;

@@ -13,19 +13,20 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 double true_ms(const Work& work, double slower = 1.0) {
-    return slower * (1.0 + work.exposures * (work.triangles * 60e-6 + work.pixels * 8e-6) +
+    return slower * (1.0 + work.pixels * 2e-6 + work.exposures * (work.triangles * 60e-6 + work.covered_px * 6e-6) +
                      work.uploaded_triangles * 25e-6 + work.background_load * 3.0);
 }
 
 Work some_work(Random& random) {
     const auto level = static_cast<std::uint32_t>(random.uniform() * 4.0);
-    const double triangles = 200'000.0 / std::pow(2.0, level);
+    const double triangles = 200'000.0 / std::pow(2.0, level), pixels = random.uniform(1e5, 1e6);
     return {level,
             triangles,
             std::floor(random.uniform(1.0, 4.999)),
-            random.uniform(1e5, 1e6),
+            pixels,
             random.uniform() < 0.1 ? triangles : 0.0,
-            random.uniform() < 0.2 ? 1.0 : 0.0};
+            random.uniform() < 0.2 ? 1.0 : 0.0,
+            pixels};
 }
 
 FrameTimeModel trained(int frames, double noise) {
@@ -49,24 +50,24 @@ TEST(FrameTimeModel, LearnsALinearDeviceThroughNoise) {
 
 TEST(FrameTimeModel, NoticesADeviceThatBecameTwiceAsSlowWithinTwentyFrames) {
     FrameTimeModel model = trained(400, 0.03);
-    const Work now{2, 50'000, 1.0, 5e5, 0.0, 0.0};
+    const Work now{2, 50'000, 1.0, 5e5, 0.0, 0.0, 5e5};
     for (int i = 0; i < 20; ++i) model = learn(model, now, true_ms(now, 2.0));
     EXPECT_NEAR(predict_ms(model, now) / true_ms(now, 2.0), 1.0, 0.05);
     // Also for what was not drawn since.
-    const Work other{0, 200'000, 2.0, 5e5, 0.0, 0.0};
+    const Work other{0, 200'000, 2.0, 5e5, 0.0, 0.0, 5e5};
     EXPECT_NEAR(predict_ms(model, other) / true_ms(other, 2.0), 1.0, 0.2);
 }
 
 TEST(FrameTimeModel, AnOutlierMovesThePredictionByAFewPercent) {
     const FrameTimeModel before = trained(400, 0.03);
-    const Work work{1, 100'000, 1.0, 5e5, 0.0, 0.0};
+    const Work work{1, 100'000, 1.0, 5e5, 0.0, 0.0, 5e5};
     const FrameTimeModel after = learn(before, work, 100.0 * true_ms(work));
     EXPECT_NEAR(predict_ms(after, work) / predict_ms(before, work), 1.0, 0.15);
 }
 
 TEST(FrameTimeModel, WhatWasNotMeasuredChangesNothing) {
     const FrameTimeModel before = trained(10, 0.03);
-    const Work work{1, 100'000, 1.0, 5e5, 0.0, 0.0};
+    const Work work{1, 100'000, 1.0, 5e5, 0.0, 0.0, 5e5};
     for (const double ms : {nan, 0.0, -5.0, std::numeric_limits<double>::infinity()})
         EXPECT_EQ(predict_ms(learn(before, work, ms), work), predict_ms(before, work));
 }
@@ -100,8 +101,8 @@ TEST(FrameTimeModel, PredictsByWhatAProbeToldApartAndLearnsInItsProportions) {
     work.covered_px = 3e5;
     work.textured_px = 1e5;
     work.extent_px = 1e5;
-    const double triangles_ms = 0.05 * 80.0 + 0.025 * 20.0 + 0.1 * 30.0, pixels_ms = 0.4 * 0.5 + 0.3 * 6.0 + 0.1 * 2.0;
-    EXPECT_NEAR(frame_ms(costs, work), 1.0 + 2.0 * (triangles_ms + pixels_ms), 1e-12);
+    const double triangles_ms = 0.05 * 80.0 + 0.025 * 20.0 + 0.1 * 30.0, covered_ms = 0.3 * 6.0 + 0.1 * 2.0;
+    EXPECT_NEAR(frame_ms(costs, work), 1.0 + 0.4 * 0.5 + 2.0 * (triangles_ms + covered_ms), 1e-12);
     EXPECT_NEAR(predict_ms(make_model(costs), work), frame_ms(costs, work), 1e-12);
 
     FrameTimeModel model = make_model(costs);
@@ -109,9 +110,15 @@ TEST(FrameTimeModel, PredictsByWhatAProbeToldApartAndLearnsInItsProportions) {
     EXPECT_NEAR(predict_ms(model, work), 1.5 * frame_ms(costs, work), 0.2);
 }
 
+TEST(FrameTimeModel, ExposuresRepeatWhatIsDrawnAndNotThePicture) {
+    const FrameCosts costs{1.0, 100.0, 2.0, 50.0, 5.0, 3.0};
+    EXPECT_NEAR(frame_ms(costs, {0, 1e4, 1.0, 1e6, 0.0, 0.0, 1e6}), 1.0 + 2.0 + 1.0 + 3.0, 1e-12);
+    EXPECT_NEAR(frame_ms(costs, {0, 1e4, 4.0, 1e6, 0.0, 0.0, 1e6}), 1.0 + 2.0 + 4.0 * (1.0 + 3.0), 1e-12);
+}
+
 TEST(FrameTimeModel, ReplacesAFirstGuessThatIsNoCost) {
     const FrameTimeModel model = make_model({nan, -1.0, 0.0, std::numeric_limits<double>::infinity(), 1e300});
-    EXPECT_TRUE(std::isfinite(predict_ms(model, {0, 1e9, 4.0, 1e9, 1e9, 1.0})));
+    EXPECT_TRUE(std::isfinite(predict_ms(model, {0, 1e9, 4.0, 1e9, 1e9, 1.0, 1e9})));
     EXPECT_EQ(model.first_guess.per_million_triangles_ms, FrameCosts{}.per_million_triangles_ms);
 }
 

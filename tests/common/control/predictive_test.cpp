@@ -110,10 +110,26 @@ TEST(Predictive, DoesNotChaseAViewThatPausesShorterThanTheHold) {
     session.frames(50, {}, 200.0);
     const int before = session.switches();
     for (int i = 0; i < 20; ++i) {
-        session.frames(5, {}, 0.0);  // 0.1 s
+        session.frames(3, {}, 0.0);  // 0.06 s
         session.frames(5, {}, 200.0);
     }
     EXPECT_EQ(session.switches(), before);
+}
+
+TEST(Predictive, AViewThatTurnsBackIsNotTakenForOneThatStops) {
+    Session session;
+    session.frames(50, {}, 200.0);
+    const int before = session.switches();
+    for (const double speed : {150.0, 100.0, 50.0, 0.0, 50.0, 100.0, 150.0, 200.0, 200.0}) session.frame({}, speed);
+    EXPECT_EQ(session.switches(), before);
+}
+
+TEST(Predictive, IsAtTheFinestAgainAFifthOfASecondAfterASuddenStop) {
+    Session session;
+    session.frames(50, {}, 200.0);
+    EXPECT_GT(session.level(), 0u);
+    session.frames(10, {}, 0.0);  // 0.2 s
+    EXPECT_EQ(session.level(), 0u);
 }
 
 TEST(Predictive, FollowsADeviceThatBecomesSlower) {

@@ -12,7 +12,7 @@ namespace lodestream::simulate {
 namespace {
 
 constexpr double deadline_ms = 1000.0 / 60.0;
-const control::Work work{0, 50'000, 2.0, 500'000, 0.0, 0.0};
+const control::Work work{0, 50'000, 2.0, 500'000, 0.0, 0.0, 500'000};
 
 // Nothing but costs.
 Device quiet() {
@@ -34,12 +34,12 @@ std::vector<DrawnFrame> frames(const Device& device, int count) {
 
 TEST(Device, AFrameIsTheSumOfItsCosts) {
     Device device = quiet();
-    device.costs = {1.0, 40.0, 6.0, 20.0, 5.0};
-    // 1 + 2 * (0.05 * 40 + 0.5 * 6) + 0
-    EXPECT_NEAR(frames(device, 1)[0].frame_ms, 11.0, 1e-12);
+    device.costs = {1.0, 40.0, 2.0, 20.0, 5.0, 6.0};
+    // 1 + 0.5 * 2 + 2 * (0.05 * 40 + 0.5 * 6) + 0
+    EXPECT_NEAR(frames(device, 1)[0].frame_ms, 12.0, 1e-12);
     control::Work change = work;
     change.uploaded_triangles = 50'000;
-    EXPECT_NEAR(draw(device, switched_on(device), change, deadline_ms).frame_ms, 12.0, 1e-12);
+    EXPECT_NEAR(draw(device, switched_on(device), change, deadline_ms).frame_ms, 13.0, 1e-12);
 }
 
 TEST(Device, TheSameSeedGivesTheSameFrames) {
@@ -114,8 +114,13 @@ TEST(Device, EveryRandomOneCanShowTheCoarsestLevelInTime) {
     for (std::uint64_t seed = 0; seed < 500; ++seed) {
         Device device = random_device(population, seed);
         device.noise = device.spikes_per_frame = 0.0;
-        const control::Work coarsest{
-            0, population.coarsest_triangles, control::max_exposures * 1.0, population.pixels, 0.0, 0.0};
+        const control::Work coarsest{0,
+                                     population.coarsest_triangles,
+                                     control::max_exposures * 1.0,
+                                     population.pixels,
+                                     0.0,
+                                     0.0,
+                                     population.pixels};
         const double ms = draw(device, switched_on(device), coarsest, population.deadline_ms).frame_ms;
         EXPECT_LE(ms, 0.75 * population.deadline_ms + 1e-9);
         EXPECT_GE(ms, 0.40 * population.deadline_ms - 1e-9);
