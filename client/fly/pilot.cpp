@@ -15,6 +15,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int timed_runs = 5;
 constexpr double smallest_ms = 1e-3;
+constexpr motion::Pose looking_away{std::nullopt, 180.0, motion::max_pitch_deg};
+constexpr double least_more_in_view = 0.1;         // than when looking away, for the cost of what is seen to be told
 constexpr std::uint32_t small_screen_divisor = 4;  // of each side, to tell pixels' cost from that of triangles
 
 double ms_since(Clock::time_point start) {
@@ -138,6 +140,21 @@ class Pilot {
     Box bounds_;                                // likewise, world axes
 };
 
+// How much of a scenery a pose sees.
+class Sight {
+  public:
+    Sight(const Scenery& scenery, const Screen& screen)
+        : points_(sampled_triangles(scenery)),
+          home_(default_view(scenery, screen.fov_y_deg)),
+          display_(display_of(screen)) {}
+    double operator()(const motion::Pose& pose) const { return share_in_view(points_, view_of(home_, pose), display_); }
+
+  private:
+    std::vector<Vec3d> points_;
+    shading::View home_;
+    budget::Display display_;
+};
+
 double positive(double ms) {
     return std::max(ms, smallest_ms);
 }
@@ -179,6 +196,8 @@ Result<control::FrameCosts> measure_costs(render::Renderer& renderer, const Scen
                                           bool blurs) {
     const auto finest = time_level(renderer, scenery, 0, screen);
     if (!finest) return finest.error();
+    const auto away_ms = time_frame(renderer, scenery, {looking_away}, screen);
+    if (!away_ms) return away_ms.error();
     const std::size_t last = scenery.levels.size() - 1;
     const auto coarsest = time_level(renderer, scenery, last, screen);
     if (!coarsest) return coarsest.error();
@@ -191,20 +210,27 @@ Result<control::FrameCosts> measure_costs(render::Renderer& renderer, const Scen
     const auto blurred_ms = time_frame(renderer, scenery, std::vector<motion::Pose>(exposures), screen);
     if (!blurred_ms) return blurred_ms.error();
 
+    const Sight sight(scenery, screen);
+    const double in_view = sight({}), more_in_view = in_view - sight(looking_away);
     const double millions = 1e-6 * static_cast<double>(scenery.levels[0].triangles);
     const double few_millions = 1e-6 * static_cast<double>(scenery.levels[last].triangles);
     const double megapixels = 1e-6 * screen.width * screen.height;
     const double fewer_megapixels = megapixels - 1e-6 * small.width * small.height;
-    control::FrameCosts costs;
-    costs.per_million_triangles_ms = millions > few_millions
-                                         ? positive((finest->draw_ms - coarsest->draw_ms) / (millions - few_millions))
-                                         : positive(finest->draw_ms / millions);
+    const double per_million_ms = millions > few_millions
+                                      ? (finest->draw_ms - coarsest->draw_ms) / (millions - few_millions)
+                                      : finest->draw_ms / millions;
     const double exposure_ms = blurs ? (*blurred_ms - coarsest->draw_ms) / (exposures - 1) : 0.0;
-    costs.per_million_covered_ms = positive((exposure_ms - few_millions * costs.per_million_triangles_ms) / megapixels);
     const double pixels_ms = fewer_megapixels > 0.0 ? (coarsest->draw_ms - *small_ms) / fewer_megapixels : 0.0;
+    control::FrameCosts costs;
+    costs.per_million_covered_ms = positive((exposure_ms - few_millions * per_million_ms) / megapixels);
     costs.per_million_pixels_ms = positive(pixels_ms - costs.per_million_covered_ms);
+    const double seen_ms = finest->draw_ms - *away_ms - megapixels * costs.per_million_covered_ms;
+    costs.per_million_seen_ms = positive(more_in_view > least_more_in_view
+                                             ? std::min(seen_ms / (more_in_view * millions), per_million_ms / in_view)
+                                             : 0.0);
+    costs.per_million_triangles_ms = positive(per_million_ms - in_view * costs.per_million_seen_ms);
     costs.per_million_uploaded_ms = positive(finest->upload_ms / millions);
-    costs.fixed_ms = positive(finest->draw_ms - millions * costs.per_million_triangles_ms -
+    costs.fixed_ms = positive(finest->draw_ms - millions * per_million_ms -
                               megapixels * (costs.per_million_pixels_ms + costs.per_million_covered_ms));
     return costs;
 }
@@ -213,8 +239,9 @@ Result<std::vector<control::FlownFrame>> fly(render::Renderer& renderer, const S
                                              const motion::Trace& trace, const PilotOptions& options) {
     const std::vector<control::Level> ladder =
         ladder_of(scenery, default_view(scenery, options.screen.fov_y_deg), display_of(options.screen));
-    control::Flight flight{options.kind, ladder, options.control,
-                           static_cast<double>(options.screen.width) * options.screen.height, options.budget};
+    control::Flight flight{options.kind,    ladder,
+                           options.control, static_cast<double>(options.screen.width) * options.screen.height,
+                           options.budget,  Sight(scenery, options.screen)};
     Pilot pilot(renderer, scenery, options);
     return control::fly(flight, trace, [&](const control::FrameRequest& request) { return pilot.draw_frame(request); });
 }

@@ -11,6 +11,8 @@ namespace lodestream::fly {
 namespace {
 
 constexpr double eye_over_terrain = 0.02;
+constexpr double straight = 1e-9;  // sine of the angle to the vertical
+constexpr std::uint64_t most_samples = 4'096;
 
 }  // namespace
 
@@ -71,6 +73,38 @@ shading::View default_view(const Scenery& scenery, double fov_y_deg) {
     }
     view.fov_y_deg = fov_y_deg;
     return view;
+}
+
+std::vector<Vec3d> sampled_triangles(const Scenery& scenery) {
+    const SceneryLevel& finest = scenery.levels.front();
+    const codec::Decoded& content = finest.movable ? finest.movable->content : finest.content;
+    const std::size_t stride = finest.triangles / most_samples + 1;
+    std::vector<Vec3d> points;
+    for (const codec::Primitive& primitive : content.primitives) {
+        const mesh::Mesh& mesh = primitive.mesh;
+        for (std::size_t t = stride / 2; t < mesh.triangles.size(); t += stride) {
+            Vec3d sum{0};
+            for (const std::uint32_t corner : mesh.triangles[t]) sum += Vec3d(mesh.positions[corner]);
+            points.push_back(content.origin + sum / 3.0);
+        }
+    }
+    return points;
+}
+
+double share_in_view(std::span<const Vec3d> points, const shading::View& view, const budget::Display& display) {
+    if (points.empty()) return 1.0;
+    const Vec3d forward = normalize(view.target - view.eye);
+    const Vec3d side = cross(forward, Vec3d{0, 1, 0});
+    // Straight up or down, any direction is as good as another.
+    const Vec3d right = length(side) > straight ? normalize(side) : Vec3d{1, 0, 0};
+    const Vec3d up = cross(right, forward);
+    const double tan_y = std::tan(0.5 * radians(view.fov_y_deg)), tan_x = tan_y * display.width / display.height;
+    const auto seen = std::count_if(points.begin(), points.end(), [&](const Vec3d& point) {
+        const Vec3d along = point - view.eye;
+        const double ahead = dot(along, forward);
+        return ahead > 0.0 && std::abs(dot(along, right)) <= ahead * tan_x && std::abs(dot(along, up)) <= ahead * tan_y;
+    });
+    return static_cast<double>(seen) / static_cast<double>(points.size());
 }
 
 shading::View view_of(const shading::View& default_view, const motion::Pose& pose) {

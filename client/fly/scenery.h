@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,13 @@ std::vector<control::Level> ladder_of(const Scenery& scenery, const shading::Vie
 // Where the viewer stands when a motion gives no position: outside, the whole in view; of a terrain in its middle,
 // above its highest point by 2 % of its width.
 shading::View default_view(const Scenery& scenery, double fov_y_deg);
+
+// Middles of some of the finest level's triangles, world axes, spread evenly over their order: what tells how much of
+// the scenery a view shows.
+std::vector<Vec3d> sampled_triangles(const Scenery& scenery);
+
+// Share of the points within the picture, hidden ones included; 1 for no points. pre: validate(view) succeeded
+double share_in_view(std::span<const Vec3d> points, const shading::View& view, const budget::Display& display);
 
 // A pose's heading and pitch are absolute where it has a position and relative to the default view where it has none.
 shading::View view_of(const shading::View& default_view, const motion::Pose& pose);

@@ -78,6 +78,7 @@ control::FrameCosts fit_costs(std::span<const TimedPicture> pictures) {
     control::FrameCosts out;
     out.fixed_ms = c[0];
     out.per_million_triangles_ms = c[1];
+    out.per_million_seen_ms = 0.0;
     out.per_million_vertices_ms = c[2];
     out.per_million_pixels_ms = c[3];
     out.per_million_covered_ms = c[4];

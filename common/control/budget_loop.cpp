@@ -23,8 +23,8 @@ bool is_off(const PlanBasis& planned, const PlanBasis& now) {
 }  // namespace
 
 double triangles_per_second(const FrameTimeModel& model, double pixels, double deadline_ms) {
-    const double empty_ms = predict_ms(model, {0, 0.0, 1.0, pixels, 0.0, 0.0, pixels});
-    const double per_million_ms = predict_ms(model, {0, million, 1.0, pixels, 0.0, 0.0, pixels}) - empty_ms;
+    const double empty_ms = predict_ms(model, {0, 0.0, 1.0, pixels, 0.0, 0.0, pixels, 0.0});
+    const double per_million_ms = predict_ms(model, {0, million, 1.0, pixels, 0.0, 0.0, pixels, million}) - empty_ms;
     const double left_ms =
         std::max(deadline_share * deadline_ms / safety_factor(model) - empty_ms, least_share * deadline_ms);
     const double per_frame = million * left_ms / std::max(per_million_ms, 1e-9);

@@ -25,6 +25,7 @@ Measurement cleaned(const Measurement& measured, const State& state) {
     m.interval_s = in_range(m.interval_s, 0.0, max_interval_s, 0.0);
     m.speed_deg_s = in_range(m.speed_deg_s, 0.0, max_speed_deg_s, state.speed_deg_s);
     m.pixels = in_range(m.pixels, 0.0, max_pixels, 0.0);
+    m.in_view = in_range(m.in_view, 0.0, 1.0, 1.0);
     m.background_load = in_range(m.background_load, 0.0, 1.0, 0.0);
     m.budget_triangles =
         std::isnan(m.budget_triangles) ? std::numeric_limits<double>::infinity() : std::max(m.budget_triangles, 0.0);
@@ -98,7 +99,8 @@ Work work_of(std::span<const Level> ladder, std::uint32_t level, std::uint32_t e
             now.pixels,
             switched ? triangles : 0.0,
             now.background_load,
-            now.pixels};
+            now.pixels,
+            triangles * now.in_view};
 }
 
 Status check(std::span<const Level> ladder, const Options& options) {

@@ -40,6 +40,7 @@ struct Measurement {
     double frame_ms = std::numeric_limits<double>::quiet_NaN();         // of the frame before; not a number: not known
     double background_load = 0.0;                                       // decoding beside the coming frame, [0, 1]
     double budget_triangles = std::numeric_limits<double>::infinity();  // of the plan; only `predictive` keeps to it
+    double in_view = 1.0;  // share of the triangles within the coming picture, [0, 1]; not a number: not known, all
 };
 
 inline constexpr double max_speed_deg_s = 1e6;

@@ -38,6 +38,7 @@ Result<std::vector<FlownFrame>> fly(const Flight& flight, const motion::Trace& t
             return fail(ErrorCode::limit_exceeded, "the flight has too many frames");
         now.speed_deg_s = motion::speed_deg_s(trace, t_s);
         if (flight.budget) now.budget_triangles = flight.budget(before);
+        if (flight.in_view) now.in_view = flight.in_view(motion::pose_at(trace, t_s));
         Step taken = step(flight.kind, flight.ladder, flight.options, std::move(state), now);
         state = std::move(taken.state);
         const Decision& decision = taken.decision;

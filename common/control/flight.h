@@ -40,6 +40,7 @@ struct Flight {
     double pixels = 0.0;  // of a frame
     // Triangles that the coming frame may have, as a plan says; is told the frame before. Empty: no plan.
     std::function<double(const std::optional<DrawnFrame>&)> budget{};
+    std::function<double(const motion::Pose&)> in_view{};  // of Measurement, of what that pose sees; empty: all
 };
 
 struct FlownFrame {

@@ -58,6 +58,7 @@ DrawnFrame draw(const Device& device, DeviceState state, const control::Work& wo
 Device calibrated(double triangles_per_second, double pixels_per_second, double fixed_ms) {
     Device device;
     device.costs.fixed_ms = fixed_ms;
+    device.costs.per_million_seen_ms = 0.0;
     device.costs.per_million_triangles_ms = 1e9 / triangles_per_second;
     device.costs.per_million_pixels_ms = 0.0;
     device.costs.per_million_covered_ms = 1e9 / pixels_per_second;
@@ -74,6 +75,7 @@ Device random_device(const Population& population, std::uint64_t seed) {
     const double for_covered = (1.0 - picture_share) * for_pixels;
     const double exposures = control::max_exposures;
     device.costs.fixed_ms = fixed_share * least_ms;
+    device.costs.per_million_seen_ms = 0.0;
     device.costs.per_million_pixels_ms = picture_share * for_pixels * least_ms / (population.pixels * 1e-6);
     device.costs.per_million_covered_ms = for_covered * least_ms / (exposures * population.pixels * 1e-6);
     device.costs.per_million_triangles_ms =

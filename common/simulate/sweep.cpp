@@ -32,7 +32,7 @@ Result<control::FlightSummary> fly_one(const control::Flight& flight, const Devi
         const auto triangles = static_cast<double>(level.triangles);
         DrawnFrame drawn = draw(device, state,
                                 {request.level, triangles, static_cast<double>(request.poses.size()), flight.pixels,
-                                 request.switched ? triangles : 0.0, 0.0, flight.pixels},
+                                 request.switched ? triangles : 0.0, 0.0, flight.pixels, triangles},
                                 deadline);
         state = drawn.state;
         return Result<control::FrameOutcome>({drawn.frame_ms, drawn.background_load, level.error_px});

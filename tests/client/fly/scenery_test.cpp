@@ -66,5 +66,21 @@ TEST(Scenery, ChosenLevelsKeepTheirOrder) {
     EXPECT_EQ(two.levels[1].triangles, spheres().levels[2].triangles);
 }
 
+TEST(Scenery, TellsHowMuchOfItAViewShows) {
+    const Scenery scenery = spheres();
+    const std::vector<Vec3d> points = sampled_triangles(scenery);
+    ASSERT_FALSE(points.empty());
+    const budget::Display display{400, 300};
+    const shading::View home = default_view(scenery, 45.0);
+    EXPECT_EQ(share_in_view(points, home, display), 1.0);
+    EXPECT_EQ(share_in_view(points, view_of(home, {std::nullopt, 180.0, 0.0}), display), 0.0);
+    // One that looks along an edge of the picture sees half of it.
+    EXPECT_NEAR(share_in_view(points, view_of(home, {std::nullopt, 0.0, 22.5}), display), 0.5, 0.1);
+    shading::View down = home;
+    down.eye = home.target + Vec3d{0, 2.0 * length(home.eye - home.target), 0};
+    EXPECT_EQ(share_in_view(points, down, display), 1.0);
+    EXPECT_EQ(share_in_view({}, home, display), 1.0);
+}
+
 }  // namespace
 }  // namespace lodestream::fly

@@ -48,7 +48,7 @@ struct Loop {
     void fly(double seconds) {
         for (const double end_s = t_s + seconds; t_s < end_s;) {
             Work work;
-            work.triangles = std::round(level_share * budget);
+            work.triangles = work.seen_triangles = std::round(level_share * budget);
             work.pixels = work.covered_px = width * height;
             const double ms = device.frame_ms(work);
             const double interval_s = std::max(ms, deadline_ms) / 1000.0;

@@ -70,6 +70,21 @@ TEST(Flight, TheShutterIsNoLongerOpenThanTheDeadline) {
     EXPECT_EQ(frames->back().exposures, 4u);
 }
 
+// Half of the triangles take half of the time; a model that is told which half is never surprised.
+TEST(Flight, APredictionKnowsWhatIsInView) {
+    Flight turning_away = flight(Kind::predictive);
+    turning_away.options.predictive.first_guess = {1.0, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e4};
+    const auto in_view = [](const motion::Pose& pose) { return std::abs(pose.yaw_deg) > 45.0 ? 0.25 : 1.0; };
+    turning_away.in_view = in_view;
+    const auto frames = fly(turning_away, turning(4.0, 30.0), [&](const FrameRequest& request) {
+        const double drawn = 1e-6 * static_cast<double>(ladder[request.level].triangles) * 1e4 *
+                             static_cast<double>(request.poses.size());
+        return Result<FrameOutcome>({1.0 + drawn * in_view(request.poses.back()), 0.0, 0.0});
+    });
+    ASSERT_TRUE(frames);
+    for (const FlownFrame& frame : *frames) EXPECT_NEAR(*frame.predicted_ms / frame.frame_ms, 1.0, 0.01) << frame.t_s;
+}
+
 TEST(Flight, EndsWithTheErrorOfWhoDraws) {
     const auto frames = fly(flight(Kind::none), turning(1.0, 0.0),
                             [](const FrameRequest&) { return Result<FrameOutcome>(fail(ErrorCode::io, "no paper")); });

@@ -33,7 +33,7 @@ struct Session {
 
     Session() {
         options.target_fps = 50.0;  // 20 ms
-        options.predictive.first_guess = {1.0, 100.0, 1.0, 30.0, 1.0};
+        options.predictive.first_guess = {1.0, 100.0, 1.0, 30.0, 1.0, 1.0, 0.0};
         now.pixels = 0.0;
     }
     void frame(const Plant& plant, double speed_deg_s) {
