@@ -118,6 +118,7 @@ Status fly(const FlyArguments& arguments) {
     fly::PilotOptions options;
     options.kind = *kind;
     options.control.target_fps = arguments.target_fps;
+    options.control.speed = control::speed_options(scenery->levels.size());
     options.control.blur.enabled = arguments.blur;
     options.split.max_change = arguments.split_bound_steps / 255.0;
     options.screen = {arguments.width, arguments.height, arguments.fov_y_deg};

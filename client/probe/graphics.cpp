@@ -169,25 +169,18 @@ Status upload(render::Renderer& renderer, const Content& content) {
     return Nothing{};
 }
 
-Result<TimedRun> draw(render::Renderer& renderer, const Picture& picture) {
+Result<TimedRun> draw(render::Renderer& renderer, const shading::View& view, const render::DrawOptions& options) {
     const double waited_before_ms = waited_ms();
-    const auto frame = renderer.draw(from_distance(picture.distance), square(picture.side_px));
+    const auto frame = renderer.draw(view, options);
     if (!frame) return frame.error();
     return TimedRun{std::max(frame->frame_ms, 1e-4), waited_ms() - waited_before_ms};
 }
 
 // Draws what is uploaded for `seconds`.
 Status time(render::Renderer& renderer, Picture& picture, double seconds) {
-    for (int i = 0; i < waking_frames; ++i)
-        if (auto woken = draw(renderer, picture); !woken) return woken.error();
-    const auto begin = Clock::now();
-    for (std::size_t i = 0; i < most_runs; ++i) {
-        const double passed_s = seconds_since(begin);
-        if ((passed_s >= most_overrun * seconds && i > 0) || (passed_s >= seconds && i >= least_runs)) break;
-        const auto run = draw(renderer, picture);
-        if (!run) return run.error();
-        picture.runs.push_back(*run);
-    }
+    const auto runs = timed_runs(renderer, from_distance(picture.distance), square(picture.side_px), seconds);
+    if (!runs) return runs.error();
+    picture.runs.insert(picture.runs.end(), runs->begin(), runs->end());
     return Nothing{};
 }
 
@@ -257,6 +250,23 @@ control::FrameCosts costs_of(const std::vector<Content>& shown, const std::vecto
 }
 
 }  // namespace
+
+Result<std::vector<TimedRun>> timed_runs(render::Renderer& renderer, const shading::View& view,
+                                         const render::DrawOptions& options, double seconds) {
+    for (int i = 0; i < waking_frames; ++i)
+        if (auto woken = draw(renderer, view, options); !woken) return woken.error();
+    std::vector<TimedRun> runs;
+    const auto begin = Clock::now();
+    while (runs.size() < most_runs) {
+        const double passed_s = seconds_since(begin);
+        if ((passed_s >= most_overrun * seconds && !runs.empty()) || (passed_s >= seconds && runs.size() >= least_runs))
+            break;
+        const auto run = draw(renderer, view, options);
+        if (!run) return run.error();
+        runs.push_back(*run);
+    }
+    return runs;
+}
 
 Result<Graphics> measure_graphics(render::Renderer& renderer, double seconds) {
     const auto rings = enough_rings(renderer, share_to_search * seconds);

@@ -1,6 +1,8 @@
 // The renderer's speed: triangles Gouraud and flat, points, pixels, and what a frame costs by what it shows.
 #pragma once
 
+#include <vector>
+
 #include "client/probe/frame_costs.h"
 #include "client/probe/statistics.h"
 #include "client/render/renderer.h"
@@ -21,6 +23,11 @@ struct Graphics {
 };
 
 inline constexpr double usual_seconds = 1.3;  // that measuring graphics takes in a probe
+
+// What is uploaded, drawn for `seconds` after a few frames that wake the driver, at least three times and at most a
+// hundred: what timing_of() takes. Errors: those of the renderer.
+Result<std::vector<TimedRun>> timed_runs(render::Renderer& renderer, const shading::View& view,
+                                         const render::DrawOptions& options, double seconds);
 
 // In about `seconds`, unless single frames take long. Replaces what the renderer holds. Errors: those of the renderer.
 Result<Graphics> measure_graphics(render::Renderer& renderer, double seconds = usual_seconds);

@@ -38,6 +38,11 @@ Rate rate_of(std::vector<double> per_second) {
     return rate;
 }
 
+Rate widened(Rate rate, double percent) {
+    rate.uncertainty_percent = std::min(std::hypot(rate.uncertainty_percent, percent), 100.0);
+    return rate;
+}
+
 Timing timing_of(std::span<const TimedRun> runs) {
     if (runs.empty()) return {};
     std::vector<double> ms;

@@ -18,6 +18,9 @@ struct Rate {
 // which say nothing.
 Rate rate_of(std::vector<double> per_second);
 
+// The same rate, where what one process measures is off by `percent` from another's beside what its own runs show.
+Rate widened(Rate rate, double percent);
+
 double median(std::vector<double> values);  // 0 for none
 
 // One run of what is timed.

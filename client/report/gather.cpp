@@ -232,11 +232,9 @@ Result<Drawn> Gatherer::draw(const shading::View& view, const budget::Display& d
     options.samples = 1;
     Result<render::Frame> frame = renderer_.draw(view, options);
     if (!frame) return frame.error();
-    const double frames = effort_.frame_budget_ms / std::max(frame->frame_ms, 1e-3);
-    options.frames = static_cast<std::uint32_t>(std::clamp(frames, 1.0, static_cast<double>(effort_.frames)));
-    frame = renderer_.draw(view, options);
-    if (!frame) return frame.error();
-    return Drawn{std::move(frame->image), frame->frame_ms};
+    const auto runs = probe::timed_runs(renderer_, view, options, effort_.frame_budget_ms / 1000.0);
+    if (!runs) return runs.error();
+    return Drawn{std::move(frame->image), probe::timing_of(*runs).ms};
 }
 
 Result<ImageError> Gatherer::compare(const render::Image& full, const render::Image& level) {

@@ -86,6 +86,14 @@ Result<Kind> parse_kind(std::string_view name) {
     return invalid_input("no controller \"" + std::string(name) + "\"; there are " + known);
 }
 
+SpeedOptions speed_options(std::size_t levels) {
+    SpeedOptions options;
+    const double steps_to_default = std::max(static_cast<double>(levels) - 1.0, 1.0) / 2.0;
+    options.levels_per_deg_s *= steps_to_default;
+    options.levels_per_deg_s2 *= steps_to_default;
+    return options;
+}
+
 double deadline_ms(const Options& options) {
     return 1000.0 / std::clamp(options.target_fps, min_target_fps, max_target_fps);
 }

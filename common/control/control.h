@@ -54,6 +54,10 @@ struct SpeedOptions {
     double levels_per_deg_s2 = 2.0 / 750.0;  // of `acceleration`
 };
 
+// The defaults, which are the paper's for three levels, spread over a ladder of any size: the coarsest is taken at
+// about the same speed. pre: levels >= 1
+SpeedOptions speed_options(std::size_t levels);
+
 inline constexpr std::uint32_t max_switches_per_s = 8;  // of `predictive`, within any second of the measured intervals
 inline constexpr std::uint32_t settle_frames = 240;  // of `predictive`: no switch later than that after a disturbance
 

@@ -60,9 +60,7 @@ Result<PerController> fly_all(const SweepOptions& options, const Device& device,
     control::Flight flight{control::Kind::none, options.ladder, {}, options.population.pixels};
     flight.options.target_fps = options.target_fps;
     flight.options.predictive.first_guess = probed(device, options.probe_error);
-    const double levels = static_cast<double>(options.ladder.size()) - 1.0;
-    flight.options.speed.levels_per_deg_s *= levels / 2.0;
-    flight.options.speed.levels_per_deg_s2 *= levels / 2.0;
+    flight.options.speed = control::speed_options(options.ladder.size());
     PerController out;
     for (std::size_t i = 0; i < out.size(); ++i) {
         flight.kind = control::kinds[i];

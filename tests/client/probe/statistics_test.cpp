@@ -59,6 +59,12 @@ TEST(Statistics, AMarginalRateLeavesOutWhatBothTake) {
     EXPECT_EQ(rate.runs, 20u);
 }
 
+TEST(Statistics, AWidenedRateIsOffByBoth) {
+    EXPECT_DOUBLE_EQ(widened({7.0, 3.0, 5}, 4.0).uncertainty_percent, 5.0);
+    EXPECT_EQ(widened({7.0, 100.0, 1}, 8.0).uncertainty_percent, 100.0);
+    EXPECT_EQ(widened({7.0, 3.0, 5}, 4.0).per_second, 7.0);
+}
+
 TEST(Statistics, AMarginalRateOfTimesThatDoNotTellIsNone) {
     EXPECT_EQ(marginal_rate(1000.0, {5.0, 0.1, 9, 9}, {5.0, 0.1, 9, 9}).per_second, 0.0);
     EXPECT_EQ(marginal_rate(1000.0, {5.0, 0.1, 9, 9}, {7.0, 0.1, 9, 9}).uncertainty_percent, 100.0);

@@ -95,6 +95,15 @@ TEST(SpeedControllers, ALadderOfOneLevelStaysThere) {
     for (const Kind kind : kinds) EXPECT_EQ(levels(kind, one, {0, 5, 50, 1e6, 0}), (Levels{0, 0, 0, 0, 0}));
 }
 
+TEST(SpeedControllers, TheCoarsestOfAnyLadderIsTakenAtTheSameSpeed) {
+    const SpeedOptions three_levels = speed_options(3), nine_levels = speed_options(9);
+    EXPECT_EQ(three_levels.levels_per_deg_s, SpeedOptions{}.levels_per_deg_s);
+    EXPECT_EQ(sblc(0, 150.0, 0.0, 2, three_levels), 2u);
+    EXPECT_EQ(sblc(0, 150.0, 0.0, 8, nine_levels), 8u);
+    EXPECT_EQ(sblc(0, 70.0, 0.0, 8, nine_levels), 4u);
+    for (const std::size_t few : {1u, 2u}) EXPECT_GT(speed_options(few).levels_per_deg_s, 0.0);
+}
+
 TEST(None, NeverLeavesTheFinest) {
     EXPECT_EQ(levels(Kind::none, three, {0, 1e6, 50}), (Levels{0, 0, 0}));
 }
