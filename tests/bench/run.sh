@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds the benchmarks apart from everything else (build/bench) and runs one of them.
-#   bash tests/bench/run.sh simplify|cut|growth|seams|codec|shading|probe|frame_time|control [its options; --help lists them]
+#   bash tests/bench/run.sh simplify|cut|growth|seams|codec|shading|probe|frame_time|control|terrain [its options; --help lists them]
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 case ${1:-} in
-    simplify | cut | growth | seams | codec | shading | probe | frame_time | control) program=lodestream_bench_$1; shift ;;
+    simplify | cut | growth | seams | codec | shading | probe | frame_time | control | terrain) program=lodestream_bench_$1; shift ;;
     *) sed -n '2,3s/^# *//p' "$0" >&2; exit 2 ;;
 esac
 
