@@ -237,7 +237,8 @@ std::string predicted_sentence(const std::vector<PredictedFrames>& models) {
            format_number(100.0 * all[all.size() / 2]) + " % in the median, below " +
            format_number(100.0 * all[all.size() * 9 / 10]) + " % nine times of ten and " +
            format_number(100.0 * all.back()) + " % at the worst, over " + format_count(all.size()) +
-           " levels, shadings and screens of " + format_count(models.size()) + " models.";
+           " levels, shadings and screens of " + format_count(models.size()) +
+           " models. Both are the fast tenth of as many frames as fit into a fraction of a second.";
 }
 
 std::string disturbed_sentence(const FrameRateResult& result) {
@@ -259,9 +260,10 @@ std::string text_of(const FrameRateResult& result, const std::vector<PredictedFr
            ", flown by every controller with the real renderer at " + format_number(result.target_fps) +
            " frames/s, 120° of view, " + display_text(result.screen) + ", levels of " + ladder_text(result) +
            " triangles. A view that turns is drawn with 2 or 4 exposures (motion blur), which is what makes speed "
-           "cost; levels and screen were chosen so that the finest level just fits when still. One level is on the "
-           "GPU, and changing it takes its time within the frame. Frame rates are 1/max(frame time, deadline). The "
-           "picture’s error is against the finest of these levels at the same moments. The paper reports no control "
+           "cost; levels and screen were chosen so that the finest level just fits when still, whatever the heading. "
+           "One level is on the GPU, and changing it takes its time within the frame; frames begin a deadline apart at "
+           "the soonest. Frame rates are 1/max(frame time, deadline). The picture’s error is against the finest of "
+           "these levels at the same moments. The paper reports no control "
            "22 fps at worst, SBLC 30, ISBLC 60 on average, 40 at worst, σ 6.1.</p><p>" +
            ratios_sentence(result) + disturbed_sentence(result) + "</p><p>" + sweep_sentence(result) + " " +
            blur_sentence(result) + predicted_sentence(models) + "</p>";

@@ -65,10 +65,15 @@ FlightSummary summarize(std::span<const FlownFrame> frames, const Options& optio
     if (frames.empty()) return out;
     const double deadline = deadline_ms(options), count = static_cast<double>(frames.size());
     const auto fps = [&](const FlownFrame& frame) { return 1000.0 / std::max(frame.frame_ms, deadline); };
-    out.worst_fps = fps(frames.front());
+    // Sums of differences to the first frame, so that frames that are all alike deviate by nothing.
+    const double first_fps = fps(frames.front());
+    out.worst_fps = first_fps;
+    double sum = 0.0, squares = 0.0;
     std::vector<double> off;
     for (const FlownFrame& frame : frames) {
-        out.average_fps += fps(frame) / count;
+        const double more_fps = fps(frame) - first_fps;
+        sum += more_fps;
+        squares += more_fps * more_fps;
         out.worst_fps = std::min(out.worst_fps, fps(frame));
         out.within_deadline += (frame.frame_ms <= deadline ? 1.0 : 0.0) / count;
         out.switches += frame.switched ? 1 : 0;
@@ -77,9 +82,8 @@ FlightSummary summarize(std::span<const FlownFrame> frames, const Options& optio
         if (frame.predicted_ms && frame.frame_ms > 0.0)
             off.push_back(std::abs(*frame.predicted_ms / frame.frame_ms - 1.0));
     }
-    double variance = 0.0;
-    for (const FlownFrame& frame : frames) variance += std::pow(fps(frame) - out.average_fps, 2.0) / count;
-    out.deviation_fps = std::sqrt(variance);
+    out.average_fps = first_fps + sum / count;
+    out.deviation_fps = std::sqrt(std::max(squares - sum * sum / count, 0.0) / count);
     if (!off.empty()) out.prediction_error = median(std::move(off));
     return out;
 }

@@ -119,6 +119,10 @@ TEST(Flight, AFlightInNumbers) {
     EXPECT_DOUBLE_EQ(summary.mean_level, 0.25);
     EXPECT_NEAR(*summary.prediction_error, 0.1, 1e-12);
     EXPECT_EQ(summarize({}, options).frames, 0u);
+
+    options.target_fps = 60.0;
+    const std::vector<FlownFrame> even(241, frames[0]);
+    EXPECT_EQ(summarize(even, options).deviation_fps, 0.0);
 }
 
 }  // namespace
