@@ -80,6 +80,9 @@ struct SceneGraph {
 };
 inline constexpr std::uint32_t no_parent = std::numeric_limits<std::uint32_t>::max();
 
+// A root with a node for each object below it.
+SceneGraph flat_graph(std::uint32_t objects);
+
 // One imported asset: world-space geometry (node transforms applied) and what it needs to be drawn.
 struct Model {
     Mesh mesh;

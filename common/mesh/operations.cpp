@@ -173,6 +173,15 @@ const char* kind_name(Kind kind) {
     return "mesh";
 }
 
+SceneGraph flat_graph(std::uint32_t objects) {
+    SceneGraph graph;
+    graph.parents.assign(objects + std::size_t{1}, 0);
+    graph.parents.front() = no_parent;
+    graph.object_nodes.resize(objects);
+    std::iota(graph.object_nodes.begin(), graph.object_nodes.end(), 1u);
+    return graph;
+}
+
 Box bounds(const Mesh& mesh) {
     Box box;
     for (const Triangle& t : mesh.triangles)
@@ -237,6 +246,22 @@ Mesh part(const Mesh& mesh, std::span<const std::uint32_t> triangles) {
         if (!mesh.triangle_objects.empty()) out.triangle_objects.push_back(mesh.triangle_objects[t]);
     }
     return out;
+}
+
+Mesh placed(Mesh mesh, const Vec3d& origin, const Mat4d& matrix) {
+    const Mat3d linear(matrix);
+    const double det = determinant(linear);
+    const Mat3d of_normals = transpose(inverse(linear)) * (det < 0.0 ? -1.0 : 1.0);
+    const Vec3d offset = Vec3d(matrix * Vec4d(origin, 1.0)) - origin;
+    for (Vec3f& position : mesh.positions) position = Vec3f(linear * Vec3d(position) + offset);
+    for (Vec3f& normal : mesh.normals) {
+        const Vec3d turned = of_normals * Vec3d(normal);
+        const double size = length(turned);
+        if (size > 0.0 && std::isfinite(size)) normal = Vec3f(turned / size);
+    }
+    if (det < 0.0)
+        for (Triangle& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+    return mesh;
 }
 
 std::vector<std::uint32_t> distinct_triangles(const Mesh& mesh) {

@@ -25,6 +25,10 @@ Mesh part(const Mesh& mesh, std::span<const std::uint32_t> triangles);
 // Puts `from` behind `to`; vertices are not merged. pre: both have the same attributes, or `to` is empty
 void append(Mesh& to, const Mesh& from);
 
+// The mesh at another place: `matrix` maps world coordinates, positions are relative to `origin` before and after.
+// Normals stay of unit length; where the matrix mirrors, triangles are turned around. pre: affine, not singular
+Mesh placed(Mesh mesh, const Vec3d& origin, const Mat4d& matrix);
+
 // The triangles without those that lie exactly on an earlier one and face the same way, whatever their attributes.
 std::vector<std::uint32_t> distinct_triangles(const Mesh& mesh);
 

@@ -24,6 +24,17 @@ std::size_t depth(std::span<const LodNode> tree) {
     return *std::max_element(depths.begin(), depths.end());
 }
 
+void keep_the_laws(LodTree& tree) {
+    for (std::size_t i = tree.size(); i-- > 1;) {
+        LodNode& parent = tree[tree[i].parent];
+        if (!tree[i].box.empty()) {
+            parent.box.add(tree[i].box.min);
+            parent.box.add(tree[i].box.max);
+        }
+        parent.error = std::max(parent.error, tree[i].error);
+    }
+}
+
 Status validate(std::span<const LodNode> tree) {
     if (tree.empty()) return invalid_input("a tree of levels has no node");
     if (tree.front().parent != none) return wrong(0, "is the root and has a parent");

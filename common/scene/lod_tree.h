@@ -31,6 +31,9 @@ using LodTree = std::vector<LodNode>;
 // Nodes from the root to the farthest leaf, both counted. pre: validate(tree)
 std::size_t depth(std::span<const LodNode> tree);
 
+// Makes boxes hold those of the children, and errors not below theirs. pre: validate(tree) but for these
+void keep_the_laws(LodTree& tree);
+
 // Whether a tree from outside keeps the laws above: places, order, finite numbers, errors and boxes that hold those of
 // the children. Never trusts.
 Status validate(std::span<const LodNode> tree);

@@ -10,15 +10,14 @@
 #include <utility>
 #include <vector>
 
-#include "common/codec/level_codec.h"
 #include "common/mesh/operations.h"
 #include "common/metric/surface_distance.h"
 #include "common/scene/hierarchy.h"
 #include "common/scene/surroundings.h"
-#include "common/simplify/history.h"
 #include "server/bake/bake.h"
 #include "server/bake/executor.h"
 #include "server/bake/scene_colors.h"
+#include "server/bake/scene_source.h"
 #include "server/bake/seen_surface.h"
 #include "server/bake/textures.h"
 
@@ -71,6 +70,11 @@ struct Branch {
     Surface surface;
 };
 
+// Of a tile, among those that the branches have become.
+struct Place {
+    std::uint32_t branch, tile;
+};
+
 class TileMaker {
   public:
     TileMaker(store::Store& store, const std::string& asset_id, const mesh::Model& model,
@@ -99,7 +103,9 @@ class TileMaker {
             executor(wave.size(), [&](std::size_t i) { make_branch(wave[i], wave.size() == 1 ? executor : none); });
             if (error_) return *error_;
         }
-        return tree();
+        TileTree tiles = tree();
+        if (Status kept = keep_objects(); !kept) return kept.error();
+        return tiles;
     }
 
   private:
@@ -160,9 +166,7 @@ class TileMaker {
     // Tiles are cut from what is seen of the tiles below, or from the surface wrapped around it.
     Status make_inner(std::uint32_t index, const simplify::Executor& executor) {
         Surface below = joined_children(index);
-        const auto most = static_cast<std::uint64_t>(tile_ratio * static_cast<double>(below.mesh.triangles.size()));
-        std::vector<std::uint64_t> counts{std::clamp<std::uint64_t>(most, 1, tile_triangles)};
-        if (index == 0) add_chain(counts, counts.back(), coarsest_tile);
+        const std::vector<std::uint64_t> counts = tile_counts(below.mesh.triangles.size(), index == 0);
         SeenSurface seen = seen_from_outside(below, counts.front(), may_paint_);
         below = {};
         return add_levels(index, std::move(seen), counts, executor);
@@ -182,43 +186,18 @@ class TileMaker {
         return joined;
     }
 
-    // Counts that fall from one of `triangles` until they are not above `end`.
-    static void add_chain(std::vector<std::uint64_t>& counts, std::uint64_t triangles, std::uint64_t end) {
-        while (triangles > end) {
-            triangles = std::max(end, static_cast<std::uint64_t>(chain_ratio * static_cast<double>(triangles)));
-            counts.push_back(triangles);
-        }
-    }
-
-    // Adds a tile of each of these counts, each on top of the one before, from the surface that shows that count best.
+    // Adds a tile of each of these counts, each on top of the one before.
     Status add_levels(std::uint32_t index, SeenSurface seen, const std::vector<std::uint64_t>& counts,
                       const simplify::Executor& executor) {
-        const mesh::Mesh finest = seen.surfaces.front().mesh;
-        std::vector<simplify::History> histories;
-        for (Surface& surface : seen.surfaces) {
-            simplify::RecordOptions options;
-            options.executor = executor;
-            options.progress = [&](double) { return report(0.0); };
-            Result<simplify::History> history = simplify::record_history(std::move(surface.mesh), options);
-            if (!history) return history.error();
-            histories.push_back(*std::move(history));
-        }
         Branch& branch = branches_[index];
-        for (const std::uint64_t count : counts) {
-            Surface best;
-            metric::SurfaceError least;
-            for (std::size_t i = 0; i < histories.size(); ++i) {
-                mesh::Mesh level = simplify::cut(histories[i], count);
-                const metric::SurfaceError error = metric::measure(seen.original, finest, level);
-                if (i > 0 && !(error.rms < least.rms)) continue;
-                best = {std::move(level), seen.surfaces[i].is_bare};
-                least = error;
-            }
-            const std::size_t triangles = best.mesh.triangles.size();
-            if (!branch.tiles.empty() && triangles >= branch.tiles.back().node.triangles) continue;
-            best.mesh = with_plausible_normals(std::move(best.mesh));
-            if (Status added = add_tile(index, best, least); !added) return added;
-            branch.surface = std::move(best);
+        const std::uint64_t finer =
+            branch.tiles.empty() ? scene::max_tree_triangles : branch.tiles.back().node.triangles;
+        Result<std::vector<TileLevel>> levels =
+            cut_levels(std::move(seen), counts, finer, executor, [&] { return report(0.0); });
+        if (!levels) return levels.error();
+        for (TileLevel& level : *levels) {
+            if (Status added = add_tile(index, level.surface, level.error); !added) return added;
+            branch.surface = std::move(level.surface);
         }
         return Nothing{};
     }
@@ -243,27 +222,22 @@ class TileMaker {
     }
 
     // `error`: against the mesh that the branch's tiles are cut from.
-    Status add_tile(std::uint32_t index, const Surface& surface, metric::SurfaceError error) {
-        const mesh::Mesh& mesh = surface.mesh;
-        const Box bounds = mesh::bounds(mesh);
-        const codec::QuantizationGrid grid = codec::choose_window(bounds, error.rms, mesh::mean_edge_length(mesh));
-        const bool is_coarser = !tiles_below(index).empty();
-        if (is_coarser) error.max += source_error(index) + 0.5 * std::sqrt(3.0) * grid.step();
+    Status add_tile(std::uint32_t index, const Surface& surface, const metric::SurfaceError& error) {
+        const Box bounds = mesh::bounds(surface.mesh);
         Tile tile;
-        tile.node.triangles = mesh.triangles.size();
+        tile.node.triangles = surface.mesh.triangles.size();
         tile.node.error = error.max;
+        if (!tiles_below(index).empty())
+            tile.node.error += source_error(index) + rounding_error(tile_grid(surface.mesh, error));
         tile.node.box = {bounds.min + model_.origin, bounds.max + model_.origin};
         for (const Tile* below : tiles_below(index)) {
             tile.node.error = std::max(tile.node.error, below->node.error);
             tile.node.box.add(below->node.box.min);
             tile.node.box.add(below->node.box.max);
         }
-
-        codec::EncodeOptions options;
-        options.grid = grid;
-        options.rounding = codec::Rounding::nearest;  // neighbours have borders in common
-        codec::fit_normals(options, error.normal_degrees);
-        Result<codec::Encoded> encoded = surface.is_bare ? encode_painted(mesh, options) : encode(mesh, error, options);
+        Result<codec::Encoded> encoded =
+            encode_tile(surface, error, model_, texture::choose(model_, textures_, level_needs(error)).images,
+                        colors_ ? &*colors_ : nullptr);
         if (!encoded) return encoded.error();
         std::vector<Tile>& tiles = branches_[index].tiles;
         Result<store::StoredFile> file =
@@ -275,30 +249,28 @@ class TileMaker {
         return Nothing{};
     }
 
-    Result<codec::Encoded> encode(const mesh::Mesh& mesh, const metric::SurfaceError& error,
-                                  codec::EncodeOptions options) const {
-        options.images = texture::choose(model_, textures_, level_needs(error)).images;
-        return codec::encode_level(model_, mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 1), options);
-    }
-
-    Result<codec::Encoded> encode_painted(const mesh::Mesh& mesh, const codec::EncodeOptions& options) const {
-        Result<mesh::Model> painted = colors_->paint(mesh);
-        if (!painted) return painted.error();
-        painted->origin = model_.origin;
-        return codec::encode_level(*painted, painted->mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 1),
-                                   options);
+    // So that they can be changed later.
+    Status keep_objects() {
+        std::vector<std::uint32_t> tile_of_object(model_.graph.object_nodes.size(), no_tile);
+        for (std::uint32_t tile = 0; tile < places_.size(); ++tile) {
+            const scene::HierarchyNode& node = hierarchy_.nodes[places_[tile].branch];
+            if (places_[tile].tile > 0 || node.child_count > 0) continue;
+            for (std::uint32_t i = 0; i < node.object_count; ++i)
+                tile_of_object[hierarchy_.objects[node.first_object + i]] = tile;
+        }
+        std::vector<std::span<const std::uint32_t>> triangles;
+        for (std::uint32_t i = 0; i < tile_of_object.size(); ++i) triangles.push_back(triangles_.of(i));
+        if (auto kept = put_scene_source(store_, asset_id_, model_, triangles, tile_of_object); !kept)
+            return kept.error();
+        return Nothing{};
     }
 
     // Root first, children side by side and after their parent.
-    TileTree tree() const {
-        struct Place {
-            std::uint32_t branch, tile;
-        };
-        std::vector<Place> places;
+    TileTree tree() {
         TileTree tree;
         const auto add = [&](Place place, std::uint32_t parent) {
             const Tile& tile = branches_[place.branch].tiles[place.tile];
-            places.push_back(place);
+            places_.push_back(place);
             tree.nodes.push_back(tile.node);
             tree.nodes.back().parent = parent;
             tree.hashes.push_back(tile.hash);
@@ -310,7 +282,7 @@ class TileMaker {
         add(coarsest(0), scene::none);
         for (std::uint32_t i = 0; i < tree.nodes.size(); ++i) {
             const auto first = static_cast<std::uint32_t>(tree.nodes.size());
-            const Place place = places[i];
+            const Place place = places_[i];
             const scene::HierarchyNode& node = hierarchy_.nodes[place.branch];
             if (place.tile > 0)
                 add({place.branch, place.tile - 1}, i);
@@ -332,6 +304,7 @@ class TileMaker {
     std::optional<SceneColors> colors_;
     scene::Hierarchy hierarchy_;
     std::vector<Branch> branches_;  // of each node of the hierarchy
+    std::vector<Place> places_;     // of each tile of the tree
     std::atomic<bool> stopped_{false};
     std::mutex mutex_;
     double done_ = 0.0;  // nodes

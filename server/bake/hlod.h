@@ -10,26 +10,22 @@
 #include "common/base/result.h"
 #include "common/mesh/mesh.h"
 #include "common/texture/choice.h"
+#include "server/bake/tile_levels.h"
 #include "server/bake/tile_tree.h"
 #include "server/store/store.h"
 
 namespace lodestream::bake {
 
 inline constexpr std::uint32_t max_tile_children = 4;
-inline constexpr std::uint64_t tile_triangles = 7'680;  // of a tile that has tiles below it, at most
-inline constexpr double tile_ratio = 0.5;               // of its triangles to those of the tiles below, at most
-inline constexpr double chain_ratio = 0.5;              // between levels of one object and above the whole scene
-inline constexpr std::uint64_t coarsest_tile = 240;     // triangles; the root has no fewer, where the scene has as many
 
 // Makes, measures, encodes and stores the tiles of a model of several objects, from the leaves up and side by side, and
-// stores their tree. Above the leaves a tile shows what can be seen from outside of it: a cut of the visible triangles
-// of the tiles below or, where that is closer to them, of a closed surface wrapped around them
-// (scene/surroundings.h), painted with the scene's colours (scene_colors.h). Where a material is not opaque or glows,
-// nothing is wrapped.
-// A tile's error bounds what it is off from the visible surface of the objects: its measured maximum error against what
-// it is cut from, half a step of its grid, and the largest error of the tiles below. All tiles lie on lattices of the
-// scene's axes (codec::choose_window). `progress`: share done; returning false cancels.
-// Errors: unavailable (cancelled), those of the codec and the store.
+// stores their tree and the objects that they show (scene_source.h). Above the leaves a tile shows what can be seen
+// from outside of it: a cut of the visible triangles of the tiles below or, where that is closer to them, of a closed
+// surface wrapped around them (scene/surroundings.h), painted with the scene's colours (scene_colors.h). Where a
+// material is not opaque or glows, nothing is wrapped. A tile's error bounds what it is off from the visible surface of
+// the objects: its measured maximum error against what it is cut from, half a step of its grid, and the largest error
+// of the tiles below. All tiles lie on lattices of the scene's axes (codec::choose_window). `progress`: share done;
+// returning false cancels. Errors: unavailable (cancelled), those of the codec and the store.
 Result<TileTree> make_tiles(store::Store& store, const std::string& asset_id, const mesh::Model& model,
                             const texture::Textures& textures, const std::function<bool(double)>& progress);
 

@@ -17,7 +17,7 @@ namespace lodestream::bake {
 
 namespace {
 
-constexpr const char* painted_name = "painted";
+
 constexpr int jpeg_quality = 85;
 constexpr double hint_slack = 1.0 + 1e-6;
 

@@ -14,6 +14,8 @@ namespace lodestream::bake {
 // in lodestream_bench_hlod and take 40, 44 and 50 kB.
 inline constexpr std::uint64_t texels_per_triangle = 24;
 
+inline constexpr const char* painted_name = "painted";  // of a painted surface's material
+
 class SceneColors {
   public:
     // `model`: its materials and images, which must outlive this; `seen`: what of its mesh is seen from outside.

@@ -39,12 +39,6 @@ bool all_below(const std::vector<std::uint32_t>& values, std::size_t size) {
     return std::all_of(values.begin(), values.end(), [&](std::uint32_t value) { return value < size; });
 }
 
-bool is_sound(const mesh::SceneGraph& graph) {
-    for (std::size_t node = 0; node < graph.parents.size(); ++node)
-        if (graph.parents[node] >= node && graph.parents[node] != mesh::no_parent) return false;
-    return all_below(graph.object_nodes, graph.parents.size());
-}
-
 bool is_sound(const mesh::Model& model) {
     const mesh::Mesh& mesh = model.mesh;
     const std::size_t vertices = mesh.positions.size();
@@ -55,12 +49,18 @@ bool is_sound(const mesh::Model& model) {
            std::all_of(mesh.positions.begin(), mesh.positions.end(), finite) &&
            std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
                        [&](const mesh::Triangle& t) { return *std::max_element(t.begin(), t.end()) < vertices; }) &&
-           is_empty_or(mesh.triangle_objects, mesh.triangles.size()) && is_sound(model.graph) &&
+           is_empty_or(mesh.triangle_objects, mesh.triangles.size()) && is_forest(model.graph) &&
            all_below(mesh.triangle_objects, model.graph.object_nodes.size()) &&
            all_below(mesh.triangle_materials, model.materials.size());
 }
 
 }  // namespace
+
+bool is_forest(const mesh::SceneGraph& graph) {
+    for (std::size_t node = 0; node < graph.parents.size(); ++node)
+        if (graph.parents[node] >= node && graph.parents[node] != mesh::no_parent) return false;
+    return all_below(graph.object_nodes, graph.parents.size());
+}
 
 std::vector<std::byte> serialize(const mesh::Model& model) {
     Writer writer;

@@ -1,24 +1,14 @@
 #include "server/importer/gltf_nodes.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
+
+#include "common/base/transform.h"
 
 namespace lodestream::importer {
 namespace {
 
 std::string name_of(int node) {
     return "node " + std::to_string(node);
-}
-
-Mat4d placed(const Vec3d& translation, Vec4d rotation, const Vec3d& scale) {
-    const double size = glm::length(rotation);
-    rotation = size > 0 && std::isfinite(size) ? rotation / size : Vec4d{0, 0, 0, 1};
-    const auto [x, y, z, w] = std::array{rotation.x, rotation.y, rotation.z, rotation.w};
-    return {Vec4d{1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w), 0} * scale.x,
-            Vec4d{2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w), 0} * scale.y,
-            Vec4d{2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y), 0} * scale.z,
-            Vec4d{translation, 1}};
 }
 
 Result<Mat4d> local_matrix(const tinygltf::Node& node, int index) {
@@ -41,7 +31,7 @@ Result<Mat4d> local_matrix(const tinygltf::Node& node, int index) {
     }
     for (int i = 0; i < 4; ++i)
         if (!node.rotation.empty()) rotation[i] = node.rotation[static_cast<std::size_t>(i)];
-    return placed(translation, rotation, scale);
+    return matrix_of(translation, rotation, scale);
 }
 
 std::vector<int> root_nodes(const tinygltf::Model& json) {
@@ -163,7 +153,7 @@ class Walker {
             }
             for (std::size_t k = 0; k < 4; ++k)
                 if (!rotations->empty()) rotation[static_cast<int>(k)] = (*rotations)[4 * i + k];
-            scene_.instances.push_back({node.mesh, node.skin, world * placed(translation, rotation, scale), place()});
+            scene_.instances.push_back({node.mesh, node.skin, world * matrix_of(translation, rotation, scale), place()});
         }
         return Nothing{};
     }

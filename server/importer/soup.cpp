@@ -104,7 +104,7 @@ void move_objects(Soup& soup, mesh::Model& model) {
     if (model.objects == 1) return;
     model.mesh.triangle_objects = std::move(soup.triangle_objects);
     model.graph = std::move(soup.graph);
-    if (model.graph.parents.empty()) model.graph = {{mesh::no_parent}, std::vector<std::uint32_t>(model.objects, 0)};
+    if (model.graph.parents.empty()) model.graph = mesh::flat_graph(model.objects);
 }
 
 // The part of `mesh` whose triangles `take` picks.

@@ -217,7 +217,7 @@ Result<mesh::Model> ship(std::uint64_t objects, std::uint64_t seed) {
     model.mesh = builder.take();
     model.materials = paints();
     model.objects = builder.objects();
-    model.graph = {{mesh::no_parent}, std::vector<std::uint32_t>(model.objects, 0)};
+    model.graph = mesh::flat_graph(model.objects);
     return model;
 }
 

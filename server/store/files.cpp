@@ -77,13 +77,25 @@ Status flush_folder(const std::filesystem::path& folder) {
     return Nothing{};
 }
 
-Status write_and_flush(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+namespace {
+
+Status write_new(const std::filesystem::path& file, std::span<const std::byte> bytes, bool flushes) {
     const FileDescriptor out(open_retrying(file, O_WRONLY | O_CREAT | O_EXCL, file_mode));
     if (out.get() < 0) return file_error(file, "cannot make");
     auto status = write_all(out, bytes, file);
-    if (status && ::fsync(out.get()) != 0) status = file_error(file, "cannot flush");
+    if (status && flushes && ::fsync(out.get()) != 0) status = file_error(file, "cannot flush");
     if (!status) ::unlink(file.c_str());
     return status;
+}
+
+}  // namespace
+
+Status write_file(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+    return write_new(file, bytes, false);
+}
+
+Status write_and_flush(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+    return write_new(file, bytes, true);
 }
 
 Status rename_file(const std::filesystem::path& from, const std::filesystem::path& to) {

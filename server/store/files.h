@@ -30,6 +30,7 @@ std::string sha256_hex(std::span<const std::byte> bytes);
 
 Status make_folder(const std::filesystem::path& folder);   // one level, flushed into its parent; there already is fine
 Status flush_folder(const std::filesystem::path& folder);  // names in it survive a power cut
+Status write_file(const std::filesystem::path& file, std::span<const std::byte> bytes);       // a new one, not flushed
 Status write_and_flush(const std::filesystem::path& file, std::span<const std::byte> bytes);  // a new file
 Status rename_file(const std::filesystem::path& from, const std::filesystem::path& to);
 bool is_regular_file(const std::filesystem::path& file, std::uint64_t& bytes);  // not through a symbolic link

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::int64_t schema_version = 1;
+constexpr std::int64_t schema_version = 2;
 constexpr std::size_t max_key_length = 1024;  // bytes of ids, names and keys
 constexpr std::size_t max_extension_length = 8;
 constexpr std::size_t hash_length = 64;
@@ -36,6 +36,14 @@ constexpr const char* schema = R"(
         PRIMARY KEY(asset, key)) WITHOUT ROWID;
     CREATE INDEX content_by_hash ON content(hash, extension);
     PRAGMA user_version = 1;
+)";
+constexpr const char* second_schema = R"(
+    CREATE TABLE node(
+        asset TEXT NOT NULL REFERENCES asset(id) ON DELETE CASCADE,
+        node INTEGER NOT NULL,
+        state TEXT NOT NULL,
+        PRIMARY KEY(asset, node)) WITHOUT ROWID;
+    PRAGMA user_version = 2;
 )";
 
 bool is_lower_alphanumeric(char c) {
@@ -148,8 +156,10 @@ Status Store::Impl::make_schema() {
         return fail(ErrorCode::conflict, folder.string() + " was made by a newer version: its catalogue has schema " +
                                              std::to_string(*version) + ", this program knows " +
                                              std::to_string(schema_version));
-    if (*version == 0)
+    if (*version < 1)
         if (auto status = write_connection->execute(schema); !status) return status;
+    if (*version < 2)
+        if (auto status = write_connection->execute(second_schema); !status) return status;
     return transaction->commit();
 }
 
@@ -447,6 +457,62 @@ Status Store::remove_content(std::string_view asset_id, std::string_view key) {
     for (const Impl::FileName& file : *files)
         if (auto status = impl_->remove_unnamed(file); !status) return status;
     return Nothing{};
+}
+
+Status Store::put_nodes(std::string_view asset_id, std::span<const Node> nodes) {
+    const std::lock_guard guard(impl_->write_mutex);
+    auto transaction = Transaction::begin(*impl_->write_connection);
+    if (!transaction) return transaction.error();
+    for (const Node& node : nodes) {
+        auto upsert = impl_->write_connection->prepare(
+            "INSERT OR REPLACE INTO node(asset, node, state) SELECT id, ?2, ?3 FROM asset WHERE id = ?1 RETURNING 1");
+        if (!upsert) return upsert.error();
+        const auto written = upsert->bind(asset_id).bind(std::int64_t{node.node}).bind(node.state).step();
+        if (!written) return written.error();
+        if (!*written) return no_such_asset(asset_id);
+        if (auto status = upsert->run(); !status) return status;
+    }
+    return transaction->commit();
+}
+
+Result<std::vector<Store::Node>> Store::nodes(std::string_view asset_id) const {
+    const std::lock_guard guard(impl_->read_mutex);
+    std::vector<Node> nodes;
+    auto select = impl_->read_connection->prepare("SELECT node, state FROM node WHERE asset = ? ORDER BY node");
+    if (!select) return select.error();
+    select->bind(asset_id);
+    for (;;) {
+        const auto row = select->step();
+        if (!row) return row.error();
+        if (!*row) return nodes;
+        nodes.push_back({static_cast<std::uint32_t>(select->number(0)), select->text(1)});
+    }
+}
+
+Result<bool> Store::has_nodes(std::string_view asset_id) const {
+    const std::lock_guard guard(impl_->read_mutex);
+    auto select = impl_->read_connection->prepare("SELECT 1 FROM node WHERE asset = ? LIMIT 1");
+    if (!select) return select.error();
+    return select->bind(asset_id).step();
+}
+
+Result<StoredFile> Store::put_transient(std::string_view extension, std::span<const std::byte> bytes) {
+    if (!is_extension(extension)) return invalid_input("an extension must be 1 to 8 lower-case letters or digits");
+    const std::string hash = sha256_hex(bytes);
+    const fs::path path = impl_->path_of(hash, std::string(extension)), incoming = impl_->next_incoming();
+    if (auto status = write_file(incoming, bytes); !status) return status.error();
+    const std::lock_guard guard(impl_->write_mutex);
+    auto status = make_folder(path.parent_path());
+    if (std::uint64_t there = 0; status && !(is_regular_file(path, there) && there == bytes.size()))
+        status = rename_file(incoming, path);
+    ::unlink(incoming.c_str());
+    if (!status) return status.error();
+    return StoredFile{hash, bytes.size(), path};
+}
+
+Status Store::remove_transient(const std::string& hash, const std::string& extension) {
+    const std::lock_guard guard(impl_->write_mutex);
+    return impl_->remove_unnamed({hash, extension});
 }
 
 const std::vector<std::string>& Store::interrupted() const {

@@ -4,6 +4,7 @@
 //   DIR/content/ab/abcd….ext immutable files named by the SHA-256 of their bytes
 //   DIR/incoming/            files being written; emptied at start
 //
+// The catalogue also keeps what clients have changed of a scene's nodes since it was baked.
 // A file is written to incoming/, flushed and renamed into place before the catalogue names it, so a crash at any
 // instant leaves either nothing or the whole. What the catalogue does not name is swept at start. All calls may come
 // from any thread.
@@ -60,6 +61,21 @@ class Store {
     Status set_record(std::string_view asset_id, std::string_view key, std::string_view record);  // not_found
     // Its file goes too unless it is named elsewhere. What is not there is no error.
     Status remove_content(std::string_view asset_id, std::string_view key);
+
+    // What was changed of a scene's nodes, one text a node; gone with the asset. All of them are written or none.
+    // Errors: not_found (asset).
+    struct Node {
+        std::uint32_t node = 0;
+        std::string state;
+    };
+    Status put_nodes(std::string_view asset_id, std::span<const Node> nodes);
+    Result<std::vector<Node>> nodes(std::string_view asset_id) const;  // by number
+    Result<bool> has_nodes(std::string_view asset_id) const;
+
+    // Bytes that can be made again: served by their hash like content, but no asset's, not flushed, and swept at the
+    // next start. Removing one that content has too leaves it.
+    Result<StoredFile> put_transient(std::string_view extension, std::span<const std::byte> bytes);
+    Status remove_transient(const std::string& hash, const std::string& extension);
 
     // The assets that were `baking` with nobody at it when the store was opened; none where another process had it open
     // then, which may be the one that bakes.

@@ -8,6 +8,7 @@
 #include <latch>
 #include <thread>
 
+#include "server/store/sqlite.h"
 #include "tests/support/temporary_folder.h"
 
 namespace lodestream::store {
@@ -276,6 +277,53 @@ TEST_F(StoreTest, ASecondProcessNeitherSweepsNorDisturbs) {
     EXPECT_EQ(store.asset("a")->status, proto::AssetStatus::baking);
     EXPECT_TRUE(fs::exists(folder() / "incoming" / "being-written"));
     EXPECT_TRUE(store.content("b", "k"));
+}
+
+TEST_F(StoreTest, NodesAreAllWrittenOrNoneAndGoWithTheirAsset) {
+    {
+        Store store = open();
+        ASSERT_TRUE(store.put_asset(asset_named("a", "a")));
+        EXPECT_FALSE(*store.has_nodes("a"));
+        EXPECT_EQ(store.put_nodes("b", std::vector<Store::Node>{{1, "x"}}).error().code, ErrorCode::not_found);
+        ASSERT_TRUE(store.put_nodes("a", std::vector<Store::Node>{{7, "seven"}, {2, "two"}}));
+        ASSERT_TRUE(store.put_nodes("a", std::vector<Store::Node>{{7, "7"}}));
+    }
+    Store store = open();
+    const auto nodes = store.nodes("a");
+    ASSERT_TRUE(nodes);
+    ASSERT_EQ(nodes->size(), 2u);
+    EXPECT_EQ((*nodes)[0].state, "two");
+    EXPECT_EQ((*nodes)[1].node, 7u);
+    EXPECT_EQ((*nodes)[1].state, "7");
+    EXPECT_TRUE(*store.has_nodes("a"));
+    ASSERT_TRUE(store.remove_asset("a"));
+    EXPECT_FALSE(*store.has_nodes("a"));
+}
+
+TEST_F(StoreTest, TransientBytesAreServedAndSweptAtTheNextStart) {
+    std::string hash;
+    {
+        Store store = open();
+        const auto file = store.put_transient("glb", bytes_of("abc"));
+        ASSERT_TRUE(file);
+        hash = file->hash;
+        ASSERT_TRUE(store.put_transient("glb", bytes_of("abc")));
+        EXPECT_EQ(store.file(hash, "glb")->bytes, 3u);
+        EXPECT_TRUE(fs::is_empty(folder() / "incoming"));
+    }
+    EXPECT_FALSE(open().file(hash, "glb"));
+}
+
+TEST_F(StoreTest, AStoreOfTheFirstVersionGetsWhatIsNew) {
+    { Store store = open(); }
+    {
+        auto database = Database::open(folder() / "catalogue.sqlite");
+        ASSERT_TRUE(database);
+        ASSERT_TRUE(database->execute("DROP TABLE node; PRAGMA user_version = 1;"));
+    }
+    Store store = open();
+    ASSERT_TRUE(store.put_asset(asset_named("a", "a")));
+    EXPECT_TRUE(store.put_nodes("a", std::vector<Store::Node>{{1, "x"}}));
 }
 
 TEST_F(StoreTest, RefusesAStoreOfANewerVersion) {
