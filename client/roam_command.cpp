@@ -10,6 +10,7 @@
 #include "client/render/gl_context.h"
 #include "client/render/image.h"
 #include "client/roam/http_tiles.h"
+#include "client/roam/revisions.h"
 #include "client/roam/tour.h"
 
 namespace lodestream::client {
@@ -19,7 +20,7 @@ constexpr double bytes_per_mb = 1 << 20;
 constexpr std::size_t max_told = 5;
 
 struct Scene {
-    std::string kind;
+    std::string id, kind;
     proto::Tileset tileset;
 };
 
@@ -32,7 +33,7 @@ Result<Scene> fetch_scene(sdk::Client& client, const std::string& id_or_name) {
     if (unknown != tileset->bytes.end())
         return fail(ErrorCode::unsupported, "tile " + std::to_string(unknown - tileset->bytes.begin()) +
                                                 " of the tileset does not tell its bytes");
-    return Scene{asset->kind, *std::move(tileset)};
+    return Scene{asset->id, asset->kind, *std::move(tileset)};
 }
 
 // Keeps the motion from running ahead of the clock, so that tiles have the time that they have on a screen.
@@ -86,7 +87,8 @@ void print_json(const roam::Roamed& roamed, const roam::RoamSummary& met) {
     std::printf("\"fetched_bytes\":%llu,\"failed_tiles\":%zu,\"gpu_bytes_peak\":%llu,\"changes\":%zu,",
                 static_cast<unsigned long long>(fetched_bytes(roamed)), roamed.failures.size(),
                 static_cast<unsigned long long>(met.peak_gpu_bytes), met.changes);
-    std::printf("\"popping\":{\"largest\":%.0f,\"p999\":%.0f,\"rms\":%.4f}}\n", met.popping_largest, met.popping_p999,
+    std::printf("\"revisions\":%llu,\"popping\":{\"largest\":%.0f,\"p999\":%.0f,\"rms\":%.4f}}\n",
+                static_cast<unsigned long long>(roamed.revisions), met.popping_largest, met.popping_p999,
                 met.popping_rms);
 }
 
@@ -101,16 +103,16 @@ void warn_of(const std::vector<std::string>& tiles, const char* what) {
 std::string to_csv(const std::vector<roam::RoamFrame>& frames) {
     std::string out =
         "frame,t_s,frame_ms,tiles,triangles,error_px,missed_px,missing_tiles,fetched_bytes,gpu_bytes,fading_tiles,"
-        "pop_largest,pop_p999,pop_rms\n";
+        "pop_largest,pop_p999,pop_rms,outdated_tiles\n";
     for (std::size_t i = 0; i < frames.size(); ++i) {
         const roam::RoamFrame& frame = frames[i];
         char row[384];
-        std::snprintf(row, sizeof row, "%zu,%.6f,%.4f,%zu,%llu,%.4f,%.4f,%zu,%llu,%llu,%zu,%.0f,%.0f,%.4f\n", i,
+        std::snprintf(row, sizeof row, "%zu,%.6f,%.4f,%zu,%llu,%.4f,%.4f,%zu,%llu,%llu,%zu,%.0f,%.0f,%.4f,%zu\n", i,
                       frame.t_s, frame.frame_ms, frame.tiles, static_cast<unsigned long long>(frame.triangles),
                       frame.error_px, frame.missed_px, frame.missing_tiles,
                       static_cast<unsigned long long>(frame.fetched_bytes),
                       static_cast<unsigned long long>(frame.gpu_bytes), frame.fading_tiles, frame.popping.largest,
-                      frame.popping.p999, frame.popping.rms);
+                      frame.popping.p999, frame.popping.rms, frame.outdated_tiles);
         out += row;
     }
     return out;
@@ -131,13 +133,17 @@ Status roam(const RoamArguments& arguments) {
     if (arguments.frames)
         if (auto made = make_folder(*arguments.frames); !made) return made;
 
-    const auto tiles = roam::HttpTiles::open(arguments.server, scene->tileset);
+    const auto tiles = roam::HttpTiles::open(arguments.server, bounds);
     if (!tiles) return tiles.error();
-    roam::SlowLink slow(**tiles, scene->tileset.bytes, arguments.link);
+    roam::SlowLink slow(**tiles, arguments.link);
+    const auto revisions = roam::Revisions::open(arguments.server, scene->id, scene->tileset.revision);
+    if (!revisions) return revisions.error();
     const bool is_slow = arguments.link.rtt_ms > 0.0 || arguments.link.downlink_mbps > 0.0;
     roam::Tiles& source = is_slow ? static_cast<roam::Tiles&>(slow) : **tiles;
     const shading::View home = fly::default_view({{}, bounds, scene->kind}, arguments.fov_y_deg);
-    const auto roamed = roam::roam(*renderer, scene->tileset, source, *motion, home, options_of(arguments));
+    roam::RoamOptions options = options_of(arguments);
+    options.newer = [&] { return (*revisions)->take(); };
+    const auto roamed = roam::roam(*renderer, scene->tileset, source, *motion, home, options);
     if (!roamed) return roamed.error();
     if (auto written = write_text(arguments.out, to_csv(roamed->frames)); !written) return written;
     warn_of(roamed->failures, "covered by the level above: ");

@@ -32,11 +32,12 @@ struct RoamArguments {
 };
 
 // frame,t_s,frame_ms,tiles,triangles,error_px,missed_px,missing_tiles,fetched_bytes,gpu_bytes,fading_tiles,
-// pop_largest,pop_p999,pop_rms
+// pop_largest,pop_p999,pop_rms,outdated_tiles
 std::string to_csv(const std::vector<roam::RoamFrame>& frames);
 
-// Fetches the tileset, moves, writes and prints what it met, or a JSON object. Tiles that could not be had are warned
-// of. Errors: those of the client, unsupported (a tileset that does not tell its tiles' bytes), of roam::roam(), io.
+// Fetches the tileset, moves, follows the scene where it changes meanwhile, writes and prints what it met, or a JSON
+// object. Tiles that could not be had are warned of. Errors: those of the client, unsupported (a tileset that does not
+// tell its tiles' bytes), of roam::roam(), io.
 Status roam(const RoamArguments& arguments);
 
 }  // namespace lodestream::client

@@ -1,5 +1,6 @@
 #include "proto/json_reader.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -163,11 +164,9 @@ void Fields::read_value(const Json& value, const char* name, std::uint64_t& out)
     read_whole(value, name, largest_whole, out);
 }
 
-void Fields::read_value(const Json& value, const char* name, std::array<double, 3>& out) const {
-    const bool three_numbers =
-        value.is_array() && value.size() == 3 && value[0].is_number() && value[1].is_number() && value[2].is_number();
-    if (!three_numbers) return refuse(name, "must be an array of three numbers", &value);
-    for (std::size_t i = 0; i < 3; ++i) out[i] = value[i].get<double>();
+bool Fields::is_numbers(const Json& value, std::size_t count) {
+    return value.is_array() && value.size() == count &&
+           std::all_of(value.begin(), value.end(), [](const Json& number) { return number.is_number(); });
 }
 
 void Fields::read_value(const Json& value, const char* name, Vec3d& out) const {

@@ -17,11 +17,23 @@ struct Tileset {
     std::vector<std::string> uris;     // of each node's content
     std::vector<std::uint64_t> bytes;  // of each node's content; 0: not known
     bool is_additive = false;          // tiles are drawn beside those above them, as points are, not in their place
+    // Of each node's content: from its own coordinates to the world's, y up; empty: all are in the world's.
+    std::vector<Mat4d> matrices{};
+    // Of each node that shows one node of the scene alone: which; empty: none does.
+    std::vector<std::uint32_t> scene_nodes{};
+    // Of each node: which tile it is over all revisions, each once; empty: not told, there is one revision.
+    std::vector<std::uint64_t> ids{};
+    std::uint64_t revision = 0;  // of a scene whose objects move: rises with each change; 0: none has moved
+
+    Mat4d matrix(std::size_t node) const { return matrices.empty() ? Mat4d(1.0) : matrices[node]; }
 };
+inline constexpr std::uint32_t no_scene_node = scene::none;
 
 // A tile's geometricError is its level's maximum error; its `extras` tell `triangles` and `bytes`, so that a client can
-// keep to a budget before it has fetched anything. glTF is y up and tiles are z up: (x, y, z) becomes (x, -z, y).
-// pre: validate(tileset.nodes), as many uris and bytes
+// keep to a budget before it has fetched anything, `node` where it shows one node of a scene alone, and `id`. What has
+// moved is a tile with a `transform`; `asset.tilesetVersion` is the revision, where there is one. glTF is y up and
+// tiles are z up: (x, y, z) becomes (x, -z, y). pre: validate(tileset.nodes), as many uris and bytes; matrices that
+// scene::validate() takes
 std::string to_json(const Tileset& tileset);
 
 inline constexpr std::size_t max_tileset_depth = 200;  // of its JSON: about half as many tiles

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
+#include <deque>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -19,28 +22,49 @@ namespace lodestream::roam {
 // cheaper than a new connection.
 inline constexpr std::size_t connections = 6;
 
+// Of encoded contents that are kept so that what moves need not be fetched again.
+inline constexpr std::uint64_t max_kept_bytes = 64ull << 20;
+
 class HttpTiles : public Tiles {
   public:
-    // Connects when the first tile is wanted; `tileset` must outlive it. Errors: those of Client::open().
-    static Result<std::unique_ptr<HttpTiles>> open(const std::string& server, const proto::Tileset& tileset);
+    // Connects when the first tile is wanted. Parts are prepared for a scene of this box. Errors: those of
+    // Client::open().
+    static Result<std::unique_ptr<HttpTiles>> open(const std::string& server, const Box& scene);
     ~HttpTiles() override;  // waits for no server
     HttpTiles(const HttpTiles&) = delete;
     HttpTiles& operator=(const HttpTiles&) = delete;
 
+    void adopt(const proto::Tileset& tileset) override;
     void want(std::span<const std::uint32_t> nodes, double now_s) override;
     std::vector<Arrival> take(double now_s) override;
 
   private:
-    HttpTiles(std::vector<sdk::Client> clients, const proto::Tileset& tileset);
-    void work(sdk::Client& client);
+    // Of a node: what there is to fetch, and where it goes.
+    struct Source {
+        std::string uri;
+        std::uint64_t bytes = 0;
+        Mat4d matrix{1.0};
+    };
+    using Glb = std::shared_ptr<const std::vector<std::byte>>;
 
-    const proto::Tileset& tileset_;
+    HttpTiles(std::vector<sdk::Client> clients, const Box& scene);
+    void work(sdk::Client& client);
+    Result<render::Part> load(sdk::Client& client, const Source& source);
+    Result<Glb> fetch(sdk::Client& client, const Source& source);
+    void keep(const std::string& uri, const Glb& glb);
+
+    const Box scene_;
     std::vector<sdk::Client> clients_;  // one a worker
     std::mutex mutex_;
     std::condition_variable changed_;
     std::vector<std::uint32_t> wanted_;    // most urgent first, without those under way
     std::vector<std::uint32_t> underway_;  // being fetched, or here and not taken yet
     std::vector<Arrival> arrived_;
+    const proto::Tileset* tileset_ = nullptr;
+    std::uint64_t adopted_ = 0;           // tilesets
+    std::map<std::string, Glb> kept_;     // by uri
+    std::deque<std::string> kept_order_;  // the longest ago first
+    std::uint64_t kept_bytes_ = 0;
     bool stopping_ = false;
     std::vector<std::thread> workers_;
 };

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 
 #include "client/fly/scenery.h"
@@ -47,28 +49,50 @@ bool is_same(Drawn a, Drawn b) {
     return std::ranges::equal(a, b, {}, key, key);
 }
 
+// Of each node of `newer` the node of `older` that is the same tile, or none.
+std::vector<std::uint32_t> same_tiles(const proto::Tileset& older, const proto::Tileset& newer) {
+    const auto id = [](const proto::Tileset& tileset, std::uint32_t node) {
+        return tileset.ids.empty() ? node : tileset.ids[node];  // before its first change a scene tells none
+    };
+    std::unordered_map<std::uint64_t, std::uint32_t> nodes;
+    for (std::uint32_t node = 0; node < older.nodes.size(); ++node) nodes.emplace(id(older, node), node);
+    std::vector<std::uint32_t> same(newer.nodes.size(), scene::none);
+    for (std::uint32_t node = 0; node < same.size(); ++node)
+        if (const auto found = nodes.find(id(newer, node)); found != nodes.end()) same[node] = found->second;
+    return same;
+}
+
+bool shows_the_same(const proto::Tileset& a, std::uint32_t i, const proto::Tileset& b, std::uint32_t k) {
+    return a.uris[i] == b.uris[k] && a.matrix(i) == b.matrix(k);
+}
+
 class Roamer {
   public:
-    Roamer(render::Renderer& renderer, const proto::Tileset& tileset, Tiles& tiles, const RoamOptions& options)
+    Roamer(render::Renderer& renderer, proto::Tileset tileset, Tiles& tiles, const RoamOptions& options)
         : renderer_(renderer),
-          tree_(tileset.nodes),
-          bytes_(tileset.bytes),
+          tileset_(std::move(tileset)),
           tiles_(tiles),
           options_(options),
-          residency_(guessed_bytes(tileset.bytes)),
-          fade_step_(options.fade_s > 0.0 ? 1.0 / (options.fade_s * options.fps) : 1.0) {}
+          residency_(guessed_bytes(tileset_.bytes)),
+          fade_step_(options.fade_s > 0.0 ? 1.0 / (options.fade_s * options.fps) : 1.0) {
+        tiles_.adopt(tileset_);
+    }
 
     Status draw_frame(double t_s, const shading::View& seen) {
         const scene::View view = view_of(seen);
         if (Status valid = scene::validate(view); !valid) return valid;
+        if (options_.newer)
+            if (auto newer = options_.newer()) adopt(*std::move(newer));
         if (Status received = receive(t_s); !received) return received;
         const scene::StreamStep now = step(view);
         want(now.requests, t_s);
-        const auto shown = scene::fade(tree_, fading_, now.drawn, view, fade_step_);
+        const auto shown = scene::fade(tree(), fading_, now.drawn, view, fade_step_);
         RoamFrame frame;
         frame.t_s = t_s;
         frame.tiles = now.drawn.size();
         frame.missing_tiles = now.missing;
+        frame.outdated_tiles = static_cast<std::size_t>(
+            std::ranges::count_if(now.drawn, [&](std::uint32_t node) { return outdated_.contains(node); }));
         frame.fetched_bytes = fetched_bytes_;
         frame.gpu_bytes = residency_.held_bytes;
         tell_errors(view, now.drawn, shown, frame);
@@ -86,13 +110,71 @@ class Roamer {
         view.fov_y_deg = seen.fov_y_deg;
         view.width = options_.width;
         view.height = options_.height;
-        const double radius = tree_.front().box.radius();
+        const double radius = tree().front().box.radius();
         view.near = near_share * (radius > 0.0 ? radius : 1.0);
         return view;
     }
 
-    // But for those that are here and wait for what is above them.
+    const scene::LodTree& tree() const { return tileset_.nodes; }
+
+    // What is here of the tileset before becomes that of the same tiles in this one, as far as tiles above them are
+    // here too; where they show something else by now, they are outdated.
+    void adopt(proto::Tileset newer) {
+        const proto::Tileset older = std::exchange(tileset_, std::move(newer));
+        const scene::Residency before = std::exchange(residency_, scene::Residency(guessed_bytes(tileset_.bytes)));
+        residency_.frame = before.frame;
+        const std::map<std::uint32_t, std::uint32_t> old_parts = std::exchange(parts_, {});
+        const std::set<std::uint32_t> old_outdated = std::exchange(outdated_, {});
+        const std::vector<std::uint32_t> old_nodes = same_tiles(older, tileset_);
+        std::vector<std::uint32_t> new_nodes(older.nodes.size(), scene::none);
+        for (std::uint32_t node = 0; node < old_nodes.size(); ++node) {
+            const std::uint32_t old = old_nodes[node];
+            if (old == scene::none || !before.has(old)) continue;
+            if (node != 0 && !residency_.has(tree()[node].parent)) continue;
+            residency_.bytes[node] = before.bytes[old];
+            residency_.last_used[node] =
+                node == 0 ? before.last_used[old]
+                          : std::min(before.last_used[old], residency_.last_used[tree()[node].parent]);
+            residency_.held_bytes += residency_.bytes[node];
+            parts_[node] = old_parts.at(old);
+            new_nodes[old] = node;
+            if (old_outdated.contains(old) || !shows_the_same(older, old, tileset_, node)) outdated_.insert(node);
+        }
+        for (const auto& [old, part] : old_parts)
+            if (new_nodes[old] == scene::none) renderer_.remove(part);
+        move_fading(new_nodes);
+        drawn_.clear();
+        early_.clear();
+        attempts_.clear();
+        tiles_.adopt(tileset_);
+        ++roamed_.revisions;
+    }
+
+    // Levels go on fading where all that is on the screen is still there and a cut; else the next cut is shown at once.
+    void move_fading(const std::vector<std::uint32_t>& new_nodes) {
+        bool is_whole = true;
+        const auto move = [&](std::uint32_t& node) {
+            node = new_nodes[node];
+            is_whole = is_whole && node != scene::none;
+        };
+        const auto move_all = [&](std::vector<std::uint32_t>& nodes) { std::ranges::for_each(nodes, move); };
+        move_all(fading_.settled);
+        for (scene::Transition& transition : fading_.transitions) {
+            move(transition.top);
+            move_all(transition.going);
+            move_all(transition.coming);
+        }
+        if (is_whole) is_whole = scene::is_cut(tree(), scene::coming_nodes(fading_));
+        if (!is_whole) fading_ = {};
+    }
+
+    // But for those that are here and wait for what is above them. What is outdated and in use comes first.
     void want(std::vector<std::uint32_t> requests, double t_s) {
+        std::vector<std::uint32_t> first;
+        for (const std::uint32_t node : outdated_)
+            if (residency_.last_used[node] == residency_.frame && first.size() < options_.stream.max_requests)
+                first.push_back(node);
+        requests.insert(requests.begin(), first.begin(), first.end());
         std::erase_if(early_, [&](const auto& entry) { return std::ranges::count(requests, entry.first) == 0; });
         std::erase_if(requests, [&](std::uint32_t node) { return early_.contains(node); });
         tiles_.want(requests, t_s);
@@ -102,7 +184,7 @@ class Roamer {
         for (Arrival& arrival : tiles_.take(t_s)) {
             if (arrival.part) {
                 ++roamed_.fetched_tiles;
-                fetched_bytes_ += bytes_[arrival.node];
+                fetched_bytes_ += tileset_.bytes[arrival.node];
                 warn_of(arrival.part.warnings);
                 early_.insert_or_assign(arrival.node, *std::move(arrival.part));
             } else if (Status missed = miss(arrival.node, arrival.part.error()); !missed) {
@@ -112,7 +194,7 @@ class Roamer {
         // In rising order, so parents are kept before their children.
         for (auto tile = early_.begin(); tile != early_.end();) {
             const auto [node, part] = *tile;
-            if (node != 0 && !residency_.has(tree_[node].parent)) {
+            if (node != 0 && !residency_.has(tree()[node].parent)) {
                 ++tile;
                 continue;
             }
@@ -123,9 +205,17 @@ class Roamer {
     }
 
     Status keep(std::uint32_t node, const render::Part& part) {
-        if (residency_.has(node)) return Nothing{};
-        residency_.bytes[node] = part.gpu_bytes;
-        if (!arrive(tree_, residency_, node, options_.stream)) return Nothing{};
+        if (residency_.has(node) && !outdated_.contains(node)) return Nothing{};
+        if (!residency_.has(node)) {
+            residency_.bytes[node] = part.gpu_bytes;
+            if (!arrive(tree(), residency_, node, options_.stream)) return Nothing{};
+        } else {
+            residency_.held_bytes += part.gpu_bytes - residency_.bytes[node];
+            residency_.bytes[node] = part.gpu_bytes;
+            outdated_.erase(node);
+            std::erase_if(drawn_, [&](const render::DrawnPart& d) { return d.part == parts_.at(node); });
+            renderer_.remove(parts_.at(node));
+        }
         const auto start = Clock::now();
         const auto added = renderer_.add(part);
         if (!added) return added.error();
@@ -143,10 +233,11 @@ class Roamer {
     Status miss(std::uint32_t node, const Error& error) {
         const bool may_come = error.code == ErrorCode::io || error.code == ErrorCode::unavailable;
         if (may_come && ++attempts_[node] < max_attempts) return Nothing{};
-        fetched_bytes_ += may_come ? 0 : bytes_[node];
-        if (node == 0) return error;
+        fetched_bytes_ += may_come ? 0 : tileset_.bytes[node];
+        if (node == 0 && !outdated_.contains(node)) return error;
         roamed_.failures.push_back(error.message);
-        give_up(tree_, residency_, node);
+        if (outdated_.erase(node) > 0) return Nothing{};  // what it showed before stays
+        give_up(tree(), residency_, node);
         return Nothing{};
     }
 
@@ -155,14 +246,14 @@ class Roamer {
         if (options_.looks_ahead && before_)
             for (const double s : ahead_s) coming.push_back(scene::ahead_of(*before_, view, s * options_.fps));
         before_ = view;
-        return scene::step(tree_, residency_, view, options_.stream, coming, scene::shown_nodes(fading_));
+        return scene::step(tree(), residency_, view, options_.stream, coming, scene::shown_nodes(fading_));
     }
 
     void tell_errors(const scene::View& view, const std::vector<std::uint32_t>& cut,
                      const std::vector<scene::FadingNode>& shown, RoamFrame& frame) const {
         const scene::Projection projection(view);
         const auto error_px = [&](std::uint32_t node) {
-            return projection.error_px(tree_[node].box, tree_[node].error);
+            return projection.error_px(tree()[node].box, tree()[node].error);
         };
         for (const std::uint32_t node : cut)
             frame.missed_px += std::max(0.0, error_px(node) - options_.stream.tolerance_px);
@@ -218,11 +309,11 @@ class Roamer {
     void release(std::uint32_t node) {
         renderer_.remove(parts_.at(node));
         parts_.erase(node);
+        outdated_.erase(node);
     }
 
     render::Renderer& renderer_;
-    const scene::LodTree& tree_;
-    const std::vector<std::uint64_t>& bytes_;
+    proto::Tileset tileset_;
     Tiles& tiles_;
     const RoamOptions& options_;
     scene::Residency residency_;
@@ -231,6 +322,7 @@ class Roamer {
     std::optional<scene::View> before_;
     Drawn drawn_;
     std::map<std::uint32_t, std::uint32_t> parts_;  // of each node that is here, as the renderer names it
+    std::set<std::uint32_t> outdated_;              // nodes that are here as they were before the scene changed
     std::map<std::uint32_t, render::Part> early_;   // came before what is above them
     std::map<std::uint32_t, int> attempts_;
     std::uint64_t fetched_bytes_ = 0;
@@ -240,15 +332,15 @@ class Roamer {
 
 }  // namespace
 
-Result<Roamed> roam(render::Renderer& renderer, const proto::Tileset& tileset, Tiles& tiles,
-                    const motion::Trace& motion, const shading::View& home, const RoamOptions& options) {
+Result<Roamed> roam(render::Renderer& renderer, proto::Tileset tileset, Tiles& tiles, const motion::Trace& motion,
+                    const shading::View& home, const RoamOptions& options) {
     if (Status sound = check(options); !sound) return sound.error();
     if (motion.empty()) return invalid_input("a motion needs at least one sample");
     const double frames = std::floor(motion::duration_s(motion) * options.fps) + 1.0;
     if (!(frames <= static_cast<double>(max_frames)))
         return fail(ErrorCode::limit_exceeded, "the motion has too many frames");
     if (Status begun = renderer.begin_scene(tileset.nodes.front().box); !begun) return begun.error();
-    Roamer roamer(renderer, tileset, tiles, options);
+    Roamer roamer(renderer, std::move(tileset), tiles, options);
     for (double frame = 0.0; frame < frames; ++frame) {
         const double t_s = frame / options.fps;
         if (options.wait_until) options.wait_until(t_s);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,9 @@ struct RoamOptions {
     std::uint32_t samples = 4;                        // a pixel
     // Called with each frame's time before it is drawn, so that a program can keep to the clock. Empty: none.
     std::function<void(double t_s)> wait_until{};
+    // Called before each frame: a newer tileset of the scene, if there is one. Tiles that are in both stay; what a tile
+    // shows stays until what it is to show has come. Empty: the scene stays as it is.
+    std::function<std::optional<proto::Tileset>()> newer{};
     // Called with each frame. A failure ends the motion. Empty: none.
     std::function<Status(const render::Image&)> on_frame{};
 };
@@ -48,6 +52,7 @@ struct RoamFrame {
     std::size_t tiles = 0;            // of the cut
     std::size_t fading_tiles = 0;     // going or coming
     std::size_t missing_tiles = 0;    // that the view asks for and that are not here
+    std::size_t outdated_tiles = 0;   // of the cut, shown as they were before the scene changed
     double error_px = 0.0;            // the largest of what is drawn
     double missed_px = 0.0;           // what the cut is off beyond the tolerance, summed over its tiles
     std::uint64_t fetched_bytes = 0;  // so far, as they came
@@ -59,15 +64,17 @@ struct RoamFrame {
 struct Roamed {
     std::vector<RoamFrame> frames;
     std::uint64_t fetched_tiles = 0;
+    std::uint64_t revisions = 0;        // newer tilesets that came meanwhile
     std::vector<std::string> failures;  // of each tile that could not be had: why
     std::vector<std::string> warnings;  // of tiles that are drawn otherwise than they say
 };
 
 // `home` is the view where the motion gives no position. Frames are the background until the root is here. Popping is
 // not counted against that. Errors: invalid_input (options), limit_exceeded (more than max_frames; the GPU's memory),
-// those of the renderer, and why the root could not be had. pre: validate(tileset.nodes), as many bytes as nodes
-Result<Roamed> roam(render::Renderer& renderer, const proto::Tileset& tileset, Tiles& tiles,
-                    const motion::Trace& motion, const shading::View& home, const RoamOptions& options);
+// those of the renderer, and why the root could not be had. `tiles` has adopted nothing yet. pre:
+// validate(tileset.nodes), as many bytes as nodes
+Result<Roamed> roam(render::Renderer& renderer, proto::Tileset tileset, Tiles& tiles, const motion::Trace& motion,
+                    const shading::View& home, const RoamOptions& options);
 
 struct RoamSummary {
     std::size_t frames = 0;

@@ -24,6 +24,14 @@ void SlowLink::send(double now_s) {
     }
 }
 
+void SlowLink::adopt(const proto::Tileset& tileset) {
+    tiles_.adopt(tileset);
+    bytes_ = tileset.bytes;
+    underway_.clear();
+    waiting_.clear();
+    here_.clear();
+}
+
 void SlowLink::want(std::span<const std::uint32_t> nodes, double now_s) {
     waiting_.assign(nodes.begin(), nodes.end());
     std::erase_if(waiting_, [&](std::uint32_t node) { return is_underway(node); });

@@ -16,10 +16,11 @@ namespace lodestream::roam {
 // they were sent for, and never before they are here in truth. What waits for a connection can be cancelled.
 class SlowLink : public Tiles {
   public:
-    // `tiles` must outlive it; `bytes` of each node. The link is that of all tiles together.
-    SlowLink(Tiles& tiles, std::vector<std::uint64_t> bytes, const sdk::Link& link)
-        : tiles_(tiles), bytes_(std::move(bytes)), link_(link) {}
+    // `tiles` must outlive it. The link is that of all tiles together; what is kept of a tileset before comes over it
+    // again.
+    SlowLink(Tiles& tiles, const sdk::Link& link) : tiles_(tiles), link_(link) {}
 
+    void adopt(const proto::Tileset& tileset) override;
     void want(std::span<const std::uint32_t> nodes, double now_s) override;
     std::vector<Arrival> take(double now_s) override;
 

@@ -7,6 +7,7 @@
 
 #include "client/render/renderer.h"
 #include "common/base/result.h"
+#include "proto/tileset.h"
 
 namespace lodestream::roam {
 
@@ -22,6 +23,10 @@ class Tiles {
 
     // From now on these are to come, most urgent first, and no others.
     virtual void want(std::span<const std::uint32_t> nodes, double now_s) = 0;
+
+    // From now on nodes are those of this tileset, which must outlive the next call. Nothing is wanted yet, and nothing
+    // comes of a tileset before.
+    virtual void adopt(const proto::Tileset& tileset) = 0;
 
     // What has come since. A tile that is no longer wanted may come too; one that was taken comes again if it is wanted
     // again.

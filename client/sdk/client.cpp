@@ -15,6 +15,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t max_url_length = 2048;
 constexpr std::size_t max_detail_length = 400;
+constexpr int not_modified = 304;
 
 double ms_since(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -172,12 +173,20 @@ struct Client::Impl {
     Impl(ServerUrl server, std::optional<Link> link) : connection(std::move(server), link) {}
     HttpConnection connection;
 
-    // The body of a 2xx response.
-    Result<std::string> send(const HttpRequest& request, std::uint64_t max_body_bytes) {
+    // The body of a 2xx response; none of one that says that nothing has changed.
+    Result<std::optional<std::string>> send_unless_unchanged(const HttpRequest& request, std::uint64_t max_body_bytes) {
         auto response = connection.exchange(request, max_body_bytes);
         if (!response) return response.error();
+        if (response->status == not_modified) return std::optional<std::string>();
         if (response->status < 200 || response->status >= 300) return refusal(request, *response);
-        return std::move(response->body);
+        return std::optional(std::move(response->body));
+    }
+
+    Result<std::string> send(const HttpRequest& request, std::uint64_t max_body_bytes) {
+        auto body = send_unless_unchanged(request, max_body_bytes);
+        if (!body) return body.error();
+        if (!*body) return refusal(request, {not_modified, {}, {}});
+        return **std::move(body);
     }
 
     template <class T>
@@ -185,7 +194,12 @@ struct Client::Impl {
                        std::uint64_t max_bytes = max_json_bytes) {
         const auto body = send(request, max_bytes);
         if (!body) return body.error();
-        auto parsed = parse(*body);
+        return parsed(request, *body, parse);
+    }
+
+    template <class T>
+    static Result<T> parsed(const HttpRequest& request, const std::string& body, Result<T> (*parse)(std::string_view)) {
+        auto parsed = parse(body);
         if (parsed) return parsed;
         return fail(ErrorCode::io, request.method + " " + request.target +
                                        ": the server's answer is wrong: " + one_line(parsed.error().message));
@@ -231,6 +245,36 @@ Result<proto::Tileset> Client::tileset(const std::string& asset_id) {
     HttpRequest request;
     request.target = "/v1/assets/" + percent_encode(asset_id) + "/tileset.json";
     return impl_->send_for(request, proto::parse_tileset, max_tileset_bytes);
+}
+
+Result<std::optional<proto::Tileset>> Client::newer_tileset(const std::string& asset_id, std::uint64_t after) {
+    HttpRequest request;
+    request.target = "/v1/assets/" + percent_encode(asset_id) + "/tileset.json?after=" + std::to_string(after);
+    const auto body = impl_->send_unless_unchanged(request, max_tileset_bytes);
+    if (!body) return body.error();
+    if (!*body) return std::optional<proto::Tileset>();
+    auto tileset = Impl::parsed(request, **body, proto::parse_tileset);
+    if (!tileset) return tileset.error();
+    return std::optional(*std::move(tileset));
+}
+
+Result<proto::SceneNodes> Client::nodes(const std::string& asset_id, std::uint32_t first) {
+    HttpRequest request;
+    request.target = "/v1/assets/" + percent_encode(asset_id) + "/nodes?first=" + std::to_string(first);
+    return impl_->send_for(request, proto::parse_scene_nodes);
+}
+
+Result<proto::NodesChanged> Client::change_nodes(const std::string& asset_id,
+                                                 const std::vector<proto::NodeChange>& changes,
+                                                 const std::string& token) {
+    const std::string json = proto::to_json(changes);
+    HttpRequest request;
+    request.method = "PATCH";
+    request.target = "/v1/assets/" + percent_encode(asset_id) + "/nodes";
+    request.content_type = "application/json";
+    request.body = std::as_bytes(std::span(json));
+    request.token = token;  // places are absolute, so that a request may be sent again
+    return impl_->send_for(request, proto::parse_nodes_changed);
 }
 
 Result<proto::PlanResponse> Client::plan(const proto::PlanRequest& plan_request) {

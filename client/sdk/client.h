@@ -16,6 +16,7 @@
 #include "common/codec/level_codec.h"
 #include "common/codec/points_codec.h"
 #include "proto/messages.h"
+#include "proto/nodes.h"
 #include "proto/tileset.h"
 
 namespace lodestream::sdk {
@@ -78,6 +79,15 @@ class Client {
 
     // The asset's levels as a tree; its tiles are fetched by their uri and bytes.
     Result<proto::Tileset> tileset(const std::string& asset_id);
+
+    // The same as soon as it is of a later revision than `after`; none where the server had none to tell for a while.
+    Result<std::optional<proto::Tileset>> newer_tileset(const std::string& asset_id, std::uint64_t after);
+
+    // The nodes of a scene from `first` on, as many as the server tells at once.
+    Result<proto::SceneNodes> nodes(const std::string& asset_id, std::uint32_t first = 0);
+    // Moves, hides and shows nodes: all of the changes or none. `token` empty: none.
+    Result<proto::NodesChanged> change_nodes(const std::string& asset_id, const std::vector<proto::NodeChange>& changes,
+                                             const std::string& token = {});
 
     // plan → fetch → decode; the decoded level has the plan's triangles or points, or it is an error.
     Result<Loaded> load(const proto::PlanRequest& request);

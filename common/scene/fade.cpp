@@ -55,8 +55,7 @@ void settle(Fading& fading) {
 void begin(std::span<const LodNode> tree, Fading& fading, std::span<const std::uint32_t> cut, const View& view,
            double step) {
     const Projection now(view), before(fading.view.value_or(view));
-    Nodes screen = fading.settled;
-    for (const Transition& t : fading.transitions) screen.insert(screen.end(), t.coming.begin(), t.coming.end());
+    const Nodes screen = coming_nodes(fading);
     std::vector<bool> is_settled = marked(tree, fading.settled);
     for (Transition& found : differences(tree, screen, cut)) {
         if (!std::all_of(found.going.begin(), found.going.end(), [&](std::uint32_t n) { return is_settled[n]; }))
@@ -92,6 +91,12 @@ std::vector<FadingNode> fade(std::span<const LodNode> tree, Fading& fading, std:
         for (const std::uint32_t node : t.going) drawn.push_back({node, t.progress, 1.0});
     }
     return drawn;
+}
+
+std::vector<std::uint32_t> coming_nodes(const Fading& fading) {
+    Nodes nodes = fading.settled;
+    for (const Transition& t : fading.transitions) nodes.insert(nodes.end(), t.coming.begin(), t.coming.end());
+    return nodes;
 }
 
 std::vector<std::uint32_t> shown_nodes(const Fading& fading) {

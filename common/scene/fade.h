@@ -46,4 +46,7 @@ std::vector<FadingNode> fade(std::span<const LodNode> tree, Fading& fading, std:
 // Everything on the screen, going and coming.
 std::vector<std::uint32_t> shown_nodes(const Fading& fading);
 
+// What the screen goes over to: settled nodes and those that come. A cut.
+std::vector<std::uint32_t> coming_nodes(const Fading& fading);
+
 }  // namespace lodestream::scene

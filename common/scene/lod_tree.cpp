@@ -24,6 +24,16 @@ std::size_t depth(std::span<const LodNode> tree) {
     return *std::max_element(depths.begin(), depths.end());
 }
 
+bool is_cut(std::span<const LodNode> tree, std::span<const std::uint32_t> nodes) {
+    std::vector<std::uint32_t> above(tree.size(), 0);  // how many of the nodes are at or above each
+    for (const std::uint32_t node : nodes) ++above[node];
+    for (std::size_t i = 0; i < tree.size(); ++i) {
+        if (i > 0) above[i] += above[tree[i].parent];
+        if (above[i] > 1 || (tree[i].child_count == 0 && above[i] != 1)) return false;
+    }
+    return true;
+}
+
 void keep_the_laws(LodTree& tree) {
     for (std::size_t i = tree.size(); i-- > 1;) {
         LodNode& parent = tree[tree[i].parent];

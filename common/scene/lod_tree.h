@@ -31,6 +31,9 @@ using LodTree = std::vector<LodNode>;
 // Nodes from the root to the farthest leaf, both counted. pre: validate(tree)
 std::size_t depth(std::span<const LodNode> tree);
 
+// Whether above every leaf, or at it, lies exactly one of these nodes. pre: validate(tree), nodes < tree.size()
+bool is_cut(std::span<const LodNode> tree, std::span<const std::uint32_t> nodes);
+
 // Makes boxes hold those of the children, and errors not below theirs. pre: validate(tree) but for these
 void keep_the_laws(LodTree& tree);
 

@@ -173,7 +173,8 @@ Status serve(const ServeArguments& arguments) {
     if (!store) return store.error();
     planner::Planner planner(*store);
     http::BakeQueue bakes(*store, planner, arguments.limits);
-    http::Service service(*store, planner, bakes, service_options);
+    live::LiveScenes scenes(*store);
+    http::Service service(*store, planner, bakes, scenes, service_options);
 
     if (arguments.samples) submit_samples(*store, bakes);
     std::optional<AssetFolder> folder;

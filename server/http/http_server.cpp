@@ -22,9 +22,10 @@ using std::chrono::seconds;
 
 constexpr std::size_t body_chunk_bytes = 64u << 10;    // read at a time
 constexpr std::size_t write_chunk_bytes = 256u << 10;  // of a file or a long body, written at a time
-constexpr seconds linger{2};                        // for a client to read the answer to a request not read to its end
-constexpr seconds accept_pause{1};                  // where no more files can be opened
-constexpr std::uint32_t header_slack_bytes = 1024;  // so that the parser's limit is met before the buffer's
+constexpr seconds linger{2};  // for a client to read the answer to a request not read to its end
+constexpr std::chrono::milliseconds poll_interval{20};  // between two looks for what a request waits for
+constexpr seconds accept_pause{1};                      // where no more files can be opened
+constexpr std::uint32_t header_slack_bytes = 1024;      // so that the parser's limit is met before the buffer's
 constexpr const char* continue_line = "HTTP/1.1 100 Continue\r\n\r\n";
 
 // What all sessions of a server share.
@@ -104,6 +105,7 @@ class Session : public std::enable_shared_from_this<Session> {
     asio::awaitable<bool> serve_one();
     asio::awaitable<std::optional<Response>> read_body(Parser& parser, Request& request,
                                                        Share<std::uint64_t>& in_flight);
+    asio::awaitable<void> wait_for_news(const Request& request);
     asio::awaitable<Response> answer(Request& request);
     asio::awaitable<bool> write(const Response& response, bool head_only, bool keep_alive);
     asio::awaitable<bool> write_file(const Response& response, std::string_view head);
@@ -199,9 +201,9 @@ asio::awaitable<bool> Session::serve_one() {
     const bool keep_alive = parser.keep_alive();
     const bool has_body = !parser.is_done();
     std::optional<Response> refused = shared_.service.refuse_early(*request);
-    if (!refused && request->method == "POST" && !has_body && !request->headers.contains("content-length") &&
-        !parser.chunked())
-        refused = shared_.service.refuse(411, "a POST needs Content-Length");
+    if (!refused && (request->method == "POST" || request->method == "PATCH") && !has_body &&
+        !request->headers.contains("content-length") && !parser.chunked())
+        refused = shared_.service.refuse(411, "a " + request->method + " needs Content-Length");
     std::optional<Share<std::uint64_t>> in_flight(std::in_place, shared_.body_bytes_in_flight);
     if (!refused && has_body) refused = co_await read_body(parser, *request, *in_flight);
     if (refused && has_body) {
@@ -210,6 +212,7 @@ asio::awaitable<bool> Session::serve_one() {
         co_await refuse_and_close(*refused);
         co_return false;
     }
+    if (!refused) co_await wait_for_news(*request);
     if (!refused) refused = co_await answer(*request);
     in_flight.reset();  // before the client knows that its body is done with
     const bool written = co_await write(*refused, head_only, keep_alive && !stopping_);
@@ -248,6 +251,17 @@ asio::awaitable<std::optional<Response>> Session::read_body(Parser& parser, Requ
         request.body.insert(request.body.end(), bytes, bytes + got);
     }
     co_return std::nullopt;
+}
+
+// Holds no thread while it waits.
+asio::awaitable<void> Session::wait_for_news(const Request& request) {
+    const std::optional<Service::Poll> poll = shared_.service.poll_of(request);
+    const auto end = std::chrono::steady_clock::now() + max_poll;
+    asio::steady_timer pause(executor());
+    while (poll && !stopping_ && shared_.service.is_waiting(*poll) && std::chrono::steady_clock::now() < end) {
+        pause.expires_after(poll_interval);
+        co_await pause.async_wait(as_values);
+    }
 }
 
 // Heavy calls go to the workers, so that the threads of the sockets stay free for content.

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cctype>
+#include <charconv>
 #include <chrono>
 #include <set>
 
@@ -21,6 +22,7 @@ namespace lodestream::http {
 namespace {
 
 constexpr const char* retry_after_s = "1";
+constexpr const char* after_name = "after";  // of the query for a newer tileset
 constexpr const char* json_type = "application/json";
 constexpr const char* text_type = "text/plain; charset=utf-8";
 constexpr const char* metrics_type = "text/plain; version=0.0.4; charset=utf-8";
@@ -115,7 +117,7 @@ struct Service::Impl {
         bool heavy;
         Response (Impl::*answer)(Request& request, const std::string& captured);
     };
-    static const std::array<Route, 12> routes;
+    static const std::array<Route, 14> routes;
 
     // What a method and path lead to.
     struct Match {
@@ -129,12 +131,13 @@ struct Service::Impl {
     store::Store& store;
     planner::Planner& planner;
     BakeQueue& bakes;
+    live::LiveScenes& scenes;
     ServiceOptions options;
     std::atomic<bool> stopping{false};
     Metrics metrics;
 
-    Impl(store::Store& s, planner::Planner& p, BakeQueue& b, ServiceOptions o)
-        : store(s), planner(p), bakes(b), options(std::move(o)) {}
+    Impl(store::Store& s, planner::Planner& p, BakeQueue& b, live::LiveScenes& l, ServiceOptions o)
+        : store(s), planner(p), bakes(b), scenes(l), options(std::move(o)) {}
 
     Response answer(Request& request, const Match& found);
     std::optional<Response> refuse_head(const Request& head, const Match& found) const;
@@ -151,15 +154,20 @@ struct Service::Impl {
     Response get_asset(Request& request, const std::string& id);
     Response delete_asset(Request& request, const std::string& id);
     Response tileset(Request& request, const std::string& id);
+    Response list_nodes(Request& request, const std::string& id);
+    Response change_nodes(Request& request, const std::string& id);
     Response create_plan(Request& request, const std::string&);
     Response content(Request& request, const std::string& hash);
+
+    Result<proto::Tileset> tileset_now(const proto::Asset& asset);
+    std::size_t moved_objects_of(const std::string& id_or_name);
 
     void add_progress(proto::Asset& asset) const {
         if (asset.status == proto::AssetStatus::baking) asset.progress = bakes.progress(asset.id);
     }
 };
 
-const std::array<Service::Impl::Route, 12> Service::Impl::routes{{
+const std::array<Service::Impl::Route, 14> Service::Impl::routes{{
     {"GET", "/livez", Kind::read, false, &Impl::livez},
     {"GET", "/readyz", Kind::read, true, &Impl::readyz},
     {"GET", "/metrics", Kind::read, false, &Impl::metrics_page},
@@ -169,7 +177,9 @@ const std::array<Service::Impl::Route, 12> Service::Impl::routes{{
     {"POST", "/v1/assets", Kind::change, true, &Impl::create_asset},
     {"GET", "/v1/assets/{id}", Kind::read, false, &Impl::get_asset},
     {"DELETE", "/v1/assets/{id}", Kind::change, true, &Impl::delete_asset},
-    {"GET", "/v1/assets/{id}/tileset.json", Kind::read, false, &Impl::tileset},
+    {"GET", "/v1/assets/{id}/tileset.json", Kind::read, true, &Impl::tileset},
+    {"GET", "/v1/assets/{id}/nodes", Kind::read, true, &Impl::list_nodes},
+    {"PATCH", "/v1/assets/{id}/nodes", Kind::change, true, &Impl::change_nodes},
     {"POST", "/v1/plans", Kind::plan, true, &Impl::create_plan},
     {"GET", "/v1/content/{hash}.glb", Kind::read, false, &Impl::content},
 }};
@@ -191,9 +201,18 @@ std::optional<std::string> capture(std::string_view pattern, std::string_view pa
 
 // Keeps the figures' labels a bounded set, whatever clients send.
 std::string_view method_label(const std::string& method) {
-    for (const std::string_view known : {"GET", "HEAD", "POST", "DELETE", "OPTIONS"})
+    for (const std::string_view known : {"GET", "HEAD", "POST", "PATCH", "DELETE", "OPTIONS"})
         if (method == known) return known;
     return "other";
+}
+
+std::string_view text_of(const std::vector<std::byte>& body) {
+    return {reinterpret_cast<const char*>(body.data()), body.size()};
+}
+
+bool read_number(const std::string& text, std::uint64_t& out) {
+    const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), out);
+    return wrong == std::errc() && end == text.data() + text.size();
 }
 
 std::uint64_t body_bytes(const Response& response) {
@@ -267,18 +286,19 @@ std::optional<Response> Service::Impl::refuse_head(const Request& head, const Ma
     }
     if (found.route->kind == Kind::change)
         if (auto refused = refuse_change(head)) return refused;
-    if (found.route->method != std::string_view("POST")) return std::nullopt;
+    const bool is_json = found.route->kind == Kind::plan || found.route->method == std::string_view("PATCH");
+    if (found.route->method != std::string_view("POST") && !is_json) return std::nullopt;
     const std::string type = media_type(head);
     const std::string* encoding = header(head, "content-encoding");
     if (encoding && lower(*encoding) != "identity")
         return respond(fail(ErrorCode::unsupported,
                             "the content encoding \"" + *encoding + "\" is not handled; send the bytes as they are"));
-    if (found.route->kind == Kind::plan && !is_json_type(type))
+    if (is_json && !is_json_type(type))
         return respond(fail(ErrorCode::unsupported, "the body must be application/json, not " + type));
-    if (found.route->kind == Kind::change && type.starts_with("multipart/"))
+    if (is_json) return std::nullopt;
+    if (type.starts_with("multipart/"))
         return respond(fail(ErrorCode::unsupported, "send the model itself as the body, not a form"));
-    if (found.route->kind == Kind::change && !head.query.contains("name"))
-        return bad_request("the query needs name=…, the asset's name");
+    if (!head.query.contains("name")) return bad_request("the query needs name=…, the asset's name");
     return std::nullopt;
 }
 
@@ -365,27 +385,79 @@ Response Service::Impl::delete_asset(Request&, const std::string& id) {
     if (auto status = store.remove_asset(asset->id); !status && status.error().code != ErrorCode::not_found)
         return respond(status.error());
     planner.forget(asset->id);
+    scenes.forget(asset->id);
     Response response;
     response.status = 204;
     return response;
 }
 
-Response Service::Impl::tileset(Request&, const std::string& id) {
+// The tileset as it is now; of a scene whose nodes were changed, with a revision.
+Result<proto::Tileset> Service::Impl::tileset_now(const proto::Asset& asset) {
+    const auto scene = scenes.find_changed(asset);
+    if (!scene) return scene.error();
+    if (*scene) return (*scene)->tileset();
+    auto tiles = bake::load_tiles(store, asset);
+    if (!tiles) return tiles.error();
+    for (std::string& hash : tiles->hashes) hash = bake::content_url(hash);
+    return proto::Tileset{std::move(tiles->nodes), std::move(tiles->hashes), std::move(tiles->bytes),
+                          tiles->is_additive};
+}
+
+Response Service::Impl::tileset(Request& request, const std::string& id) {
+    std::uint64_t after = 0;
+    const bool is_poll = request.query.contains(after_name);
+    if (is_poll && !read_number(request.query.at(after_name), after))
+        return bad_request("after must be a revision, a whole number");
     const auto asset = store.asset(id);
     if (!asset) return respond(asset.error());
-    auto tiles = bake::load_tiles(store, *asset);
-    if (!tiles) return respond(tiles.error());
-    for (std::string& hash : tiles->hashes) hash = bake::content_url(hash);
-    return respond(json_type, proto::to_json({std::move(tiles->nodes), std::move(tiles->hashes),
-                                              std::move(tiles->bytes), tiles->is_additive}));
+    auto now = tileset_now(*asset);
+    if (!now) return respond(now.error());
+    if (!is_poll || now->revision > after) return respond(json_type, proto::to_json(*now));
+    Response response;
+    response.status = 304;
+    response.headers["cache-control"] = "no-cache";
+    return response;
+}
+
+Response Service::Impl::list_nodes(Request& request, const std::string& id) {
+    std::uint64_t first = 0, count = live::max_listed_nodes;
+    for (const auto& [name, number] : {std::pair{"first", &first}, {"count", &count}})
+        if (request.query.contains(name) && !read_number(request.query.at(name), *number))
+            return bad_request(std::string(name) + " must be a whole number");
+    const auto asset = store.asset(id);
+    if (!asset) return respond(asset.error());
+    const auto scene = scenes.find(*asset);
+    if (!scene) return respond(scene.error());
+    return respond(json_type, proto::to_json((*scene)->nodes(first, count)));
+}
+
+Response Service::Impl::change_nodes(Request& request, const std::string& id) {
+    if (stopping) return respond(fail(ErrorCode::unavailable, "the server is stopping"));
+    const auto asset = store.asset(id);
+    if (!asset) return respond(asset.error());
+    const auto changes = proto::parse_node_changes(text_of(request.body));
+    if (!changes && changes.error().code == ErrorCode::invalid_input) return bad_request(changes.error().message);
+    if (!changes) return respond(changes.error());
+    const auto changed = scenes.change(*asset, *changes);
+    if (!changed) return respond(changed.error());
+    return respond(json_type, proto::to_json(*changed), "no-store");
+}
+
+std::size_t Service::Impl::moved_objects_of(const std::string& id_or_name) {
+    const auto asset = store.asset(id_or_name);
+    if (!asset || !asset->hierarchy) return 0;
+    const auto scene = scenes.find_changed(*asset);
+    return scene && *scene ? (*scene)->moved_objects() : 0;
 }
 
 Response Service::Impl::create_plan(Request& request, const std::string&) {
-    const std::string_view body(reinterpret_cast<const char*>(request.body.data()), request.body.size());
-    const auto wanted = proto::parse_plan_request(body);
+    const auto wanted = proto::parse_plan_request(text_of(request.body));
     if (!wanted) return bad_request(wanted.error().message);
-    const auto plan = planner.plan(*wanted);
+    auto plan = planner.plan(*wanted);
     if (!plan) return respond(plan.error());
+    if (const std::size_t moved = moved_objects_of(wanted->asset); moved > 0)
+        plan->warnings.push_back("the level shows the scene as it was baked; " + std::to_string(moved) +
+                                 " of its objects have moved since, which its tileset shows");
     metrics.count_plan(plan->budget.limited_by);
     return respond(json_type, proto::to_json(*plan), "no-store");
 }
@@ -437,8 +509,9 @@ Response Service::Impl::content(Request& request, const std::string& hash) {
     return response;
 }
 
-Service::Service(store::Store& store, planner::Planner& planner, BakeQueue& bakes, ServiceOptions options)
-    : impl_(std::make_unique<Impl>(store, planner, bakes, std::move(options))) {}
+Service::Service(store::Store& store, planner::Planner& planner, BakeQueue& bakes, live::LiveScenes& scenes,
+                 ServiceOptions options)
+    : impl_(std::make_unique<Impl>(store, planner, bakes, scenes, std::move(options))) {}
 
 Service::~Service() = default;
 
@@ -481,6 +554,22 @@ Response Service::refuse(int status, const std::string& detail) {
 bool Service::is_heavy(const Request& head) {
     const Impl::Match found = Impl::match(head);
     return found.route && found.route->heavy;
+}
+
+std::optional<Service::Poll> Service::poll_of(const Request& request) const {
+    const auto after = request.query.find(after_name);
+    Poll poll;
+    if (after == request.query.end() || !read_number(after->second, poll.after)) return std::nullopt;
+    const Impl::Match found = Impl::match(request);
+    if (!found.route || found.route->answer != &Impl::tileset) return std::nullopt;
+    const auto asset = impl_->store.asset(found.captured);
+    if (!asset) return std::nullopt;
+    poll.asset_id = asset->id;
+    return poll;
+}
+
+bool Service::is_waiting(const Poll& poll) const {
+    return !impl_->stopping && impl_->scenes.revision(poll.asset_id) <= poll.after;
 }
 
 bool Service::is_upload(const Request& head) {

@@ -2,6 +2,7 @@
 // the bake queue behind it, so tests call it directly.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -13,6 +14,7 @@
 #include "common/base/result.h"
 #include "proto/messages.h"
 #include "server/http/bake_queue.h"
+#include "server/live/live_scenes.h"
 #include "server/planner/planner.h"
 #include "server/store/store.h"
 
@@ -36,13 +38,16 @@ struct Response {
     std::uint64_t file_length = 0;
 };
 
+inline constexpr std::chrono::seconds max_poll{20};  // that a request for something newer waits
+
 struct ServiceOptions {
     std::string token;  // empty: POST and DELETE of assets are open
 };
 
 class Service {
   public:
-    Service(store::Store& store, planner::Planner& planner, BakeQueue& bakes, ServiceOptions options);
+    Service(store::Store& store, planner::Planner& planner, BakeQueue& bakes, live::LiveScenes& scenes,
+            ServiceOptions options);
     ~Service();
 
     // Never throws; an unexpected failure is a 500 problem.
@@ -56,6 +61,15 @@ class Service {
 
     static bool is_heavy(
         const Request& head);  // computes or waits for the disk: not for the threads that serve content
+    // A request for a tileset that is newer than what the client has. It is to wait while is_waiting(), max_poll at
+    // most; handle() then tells what there is, or that it is no newer.
+    struct Poll {
+        std::string asset_id;
+        std::uint64_t after = 0;  // the revision that the client has
+    };
+    std::optional<Poll> poll_of(const Request& request) const;
+    bool is_waiting(const Poll& poll) const;
+
     static bool is_upload(const Request& head);  // its body is a model, not JSON
 
     void stop_accepting();  // /readyz turns 503 while the server drains

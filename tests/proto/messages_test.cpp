@@ -8,6 +8,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "proto/nodes.h"
+
 namespace lodestream::proto {
 namespace {
 
@@ -90,9 +92,9 @@ TEST(PlanRequest, NamesTheFieldOfAWrongType) {
     EXPECT_EQ(refusal_of(R"("device":{"cpu_mhz":1},"preference":{"triangles":-1})"),
               "preference.triangles must be a whole number from 0 to 9007199254740992, got -1");
     EXPECT_EQ(refusal_of(R"("device":{"cpu_mhz":1},"view":{"eye":[1,2]})"),
-              "view.eye must be an array of three numbers, got [1,2]");
+              "view.eye must be an array of 3 numbers, got [1,2]");
     EXPECT_EQ(refusal_of(R"("device":{"cpu_mhz":1},"view":{"eye":[1,2,"x"]})"),
-              "view.eye must be an array of three numbers, got [1,2,\"x\"]");
+              "view.eye must be an array of 3 numbers, got [1,2,\"x\"]");
     EXPECT_EQ(parse_plan_request("[]").error().message, "the body must be an object, got []");
 }
 
@@ -159,6 +161,9 @@ void expect_round_trip(const std::string& name, Parse parse) {
 }
 
 TEST(Examples, RoundTrip) {
+    expect_round_trip("node_changes", parse_node_changes);
+    expect_round_trip("nodes_changed", parse_nodes_changed);
+    expect_round_trip("scene_nodes", parse_scene_nodes);
     expect_round_trip("plan_request", parse_plan_request);
     expect_round_trip("plan_response", parse_plan_response);
     expect_round_trip("asset", parse_asset);

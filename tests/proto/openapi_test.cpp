@@ -62,7 +62,8 @@ TEST(OpenApi, HasEveryCall) {
     for (const char* call :
          {"/livez get", "/readyz get", "/metrics get", "/ get", "/openapi.json get", "/v1/assets get",
           "/v1/assets post", "/v1/assets/{id} get", "/v1/assets/{id} delete", "/v1/assets/{id}/tileset.json get",
-          "/v1/plans post", "/v1/content/{hash}.glb get", "/v1/content/{hash}.glb head"}) {
+          "/v1/assets/{id}/nodes get", "/v1/assets/{id}/nodes patch", "/v1/plans post", "/v1/content/{hash}.glb get",
+          "/v1/content/{hash}.glb head"}) {
         const std::string text = call;
         const auto space = text.find(' ');
         ASSERT_TRUE(paths.contains(text.substr(0, space))) << call;
@@ -80,7 +81,8 @@ TEST(OpenApi, HasNoDanglingReference) {
 
 TEST(OpenApi, ExamplesFitTheSchemas) {
     const json document = json::parse(openapi_json());
-    for (const char* name : {"Asset", "AssetList", "PlanRequest", "PlanResponse", "Problem"})
+    for (const char* name :
+         {"Asset", "AssetList", "NodeChanges", "NodesChanged", "SceneNodes", "PlanRequest", "PlanResponse", "Problem"})
         expect_valid(document, {{"$ref", std::string("#/components/schemas/") + name}},
                      document["components"]["examples"][name]["value"], name);
 }

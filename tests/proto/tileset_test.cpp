@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "common/base/transform.h"
+
 namespace lodestream::proto {
 namespace {
 
@@ -150,6 +152,58 @@ TEST(Tileset, RefusesAChainThatIsTooDeep) {
         end += "]}";
     }
     EXPECT_FALSE(parse_tileset(json + end).ok());
+}
+
+Tileset moved_tileset() {
+    Tileset tileset =
+        tileset_of({tile(2.0, scene::none, 1, 2), tile(0.5, 0, 3, 1), tile(0.0, 0, 0, 0), tile(0.25, 1, 0, 0)});
+    const Mat4d turned = matrix_of({10, 20, 30}, {0, 0, 0.6, 0.8}, {2, 2, 2});
+    for (scene::LodNode& node : tileset.nodes) node.box.add({100, 100, 100});
+    tileset.matrices = {Mat4d(1.0), turned, Mat4d(1.0), turned};
+    tileset.scene_nodes = {no_scene_node, 7, no_scene_node, no_scene_node};
+    tileset.ids = {0, 1, 2, 1ull << 33};
+    tileset.revision = 42;
+    return tileset;
+}
+
+TEST(Tileset, WhatHasMovedComesBackWhereItIs) {
+    const Tileset sent = moved_tileset();
+    const auto came = parse_tileset(to_json(sent));
+    ASSERT_TRUE(came) << came.error().message;
+    EXPECT_EQ(came->revision, 42u);
+    EXPECT_EQ(came->ids, sent.ids);
+    ASSERT_EQ(came->matrices.size(), sent.nodes.size());
+    for (std::size_t i = 0; i < sent.nodes.size(); ++i) {
+        EXPECT_NEAR(came->nodes[i].error, sent.nodes[i].error, 1e-12);
+        EXPECT_LT(distance(came->nodes[i].box.min, sent.nodes[i].box.min), 1e-9) << i;
+        EXPECT_LT(distance(came->nodes[i].box.max, sent.nodes[i].box.max), 1e-9) << i;
+        for (int k = 0; k < 4; ++k) EXPECT_LT(distance(came->matrices[i][k], sent.matrices[i][k]), 1e-12);
+        EXPECT_EQ(came->scene_nodes[i], sent.scene_nodes[i]);
+    }
+}
+
+TEST(Tileset, ATransformIsZUpAndInForceBelow) {
+    const auto json = nlohmann::json::parse(to_json(moved_tileset()));
+    EXPECT_EQ(json["asset"]["tilesetVersion"], "42");
+    const auto& moved = json["root"]["children"][0];
+    const std::vector<double> matrix = moved["transform"];
+    EXPECT_EQ((std::vector<double>(matrix.begin() + 12, matrix.end())), (std::vector<double>{10, -30, 20, 1}));
+    EXPECT_EQ(moved["geometricError"], 0.25) << "viewers multiply it by the transform's scale";
+    EXPECT_EQ(moved["extras"]["node"], 7);
+    EXPECT_FALSE(moved["children"][0].contains("transform"));
+    EXPECT_FALSE(json["root"].contains("transform"));
+    EXPECT_FALSE(parsed_tileset({tile(0.0, scene::none, 0, 0)})["asset"].contains("tilesetVersion"));
+}
+
+TEST(Tileset, HostileTransformsAreRefused) {
+    for (const char* transform : {"[1,2]", "\"x\"", "[1,0,0,0,0,1,0,0,0,0,1,0,1e300,0,0,1]",
+                                  "[0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,1]", "[1,0,0,5,0,1,0,0,0,0,1,0,0,0,0,1]"}) {
+        std::string json = to_json(tileset_of({tile(0.0, scene::none, 0, 0)}));
+        json.replace(json.find("\"boundingVolume\""), 0, std::string("\"transform\":") + transform + ",");
+        const auto tileset = parse_tileset(json);
+        ASSERT_FALSE(tileset) << transform;
+        EXPECT_NE(tileset.error().message.find("transform"), std::string::npos) << tileset.error().message;
+    }
 }
 
 }  // namespace

@@ -38,9 +38,10 @@ CannedReply glb_reply(const std::string& glb) {
 class HttpTilesTest : public ::testing::Test {
   protected:
     void open(const CannedServer& server) {
-        auto opened = HttpTiles::open(server.url(), tileset);
+        auto opened = HttpTiles::open(server.url(), tileset.nodes.front().box);
         ASSERT_TRUE(opened) << opened.error().message;
         tiles = *std::move(opened);
+        tiles->adopt(tileset);
     }
     Arrival wait_for(std::uint32_t node) {
         tiles->want(Nodes{node}, 0.0);
@@ -105,8 +106,26 @@ TEST_F(HttpTilesTest, AStalledServerKeepsNobodyWaitingAndWhatIsQueuedCanBeCancel
     EXPECT_LE(server.requests().size(), connections) << "of " << all.size();
 }
 
+TEST_F(HttpTilesTest, WhatHasMovedIsPutThereWithoutFetchingItAgain) {
+    const std::string glb = encoded_tile();
+    tileset.bytes.assign(tileset.bytes.size(), glb.size());
+    const CannedServer server({glb_reply(glb)});
+    open(server);
+    ASSERT_TRUE(wait_for(2).part);
+    proto::Tileset moved = tileset;
+    moved.matrices.assign(moved.nodes.size(), Mat4d(1.0));
+    moved.matrices[3][3] = {0, 1, 0, 1};
+    moved.uris[3] = moved.uris[2];
+    tiles->adopt(moved);
+    EXPECT_TRUE(tiles->take(0.0).empty());
+    const Arrival arrival = wait_for(3);
+    EXPECT_EQ(arrival.node, 3u);
+    EXPECT_TRUE(arrival.part);
+    EXPECT_EQ(server.requests().size(), 1u);
+}
+
 TEST_F(HttpTilesTest, AWrongAddressIsRefusedAtOnce) {
-    EXPECT_FALSE(HttpTiles::open("ftp://nowhere", tileset));
+    EXPECT_FALSE(HttpTiles::open("ftp://nowhere", tileset.nodes.front().box));
 }
 
 }  // namespace

@@ -68,7 +68,12 @@ inline codec::Decoded plate(const proto::Tileset& tileset, std::uint32_t node) {
 // Hands tiles over at once, or as late and as badly as asked for.
 class FakeTiles : public Tiles {
   public:
-    explicit FakeTiles(const proto::Tileset& tileset) : tileset_(tileset) {}
+    explicit FakeTiles(const proto::Tileset& tileset) : scene_(tileset.nodes.front().box), tileset_(&tileset) {}
+
+    void adopt(const proto::Tileset& tileset) override {
+        tileset_ = &tileset;
+        wanted_.clear();
+    }
 
     void want(std::span<const std::uint32_t> nodes, double) override {
         largest_request = std::max(largest_request, nodes.size());
@@ -101,10 +106,11 @@ class FakeTiles : public Tiles {
   private:
     Arrival arrival(std::uint32_t node) const {
         if (const auto error = failing.find(node); error != failing.end()) return {node, error->second};
-        return {node, render::prepare(plate(tileset_, node), tileset_.nodes.front().box)};
+        return {node, render::prepare(plate(*tileset_, node), scene_)};
     }
 
-    const proto::Tileset& tileset_;
+    const Box scene_;
+    const proto::Tileset* tileset_;
     std::vector<std::uint32_t> wanted_;
 };
 

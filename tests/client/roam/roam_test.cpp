@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numeric>
+#include <optional>
+
 #include <cmath>
 #include <limits>
 
@@ -169,7 +172,7 @@ TEST_F(RoamTest, LookingAheadAlongTheMotionMissesLessOverASlowLink) {
     const auto missed_px = [&](bool looks_ahead) {
         options.looks_ahead = looks_ahead;
         FakeTiles tiles(tileset);
-        SlowLink link(tiles, tileset.bytes, {.downlink_mbps = 0.0, .rtt_ms = 200.0});
+        SlowLink link(tiles, {.downlink_mbps = 0.0, .rtt_ms = 200.0});
         motion::Trace motion;
         for (int i = 0; i <= 300; ++i) motion.push_back({0.02 * i, {Vec3d{0.04 * i - 6.0, 0.8, 0.0}, -90.0, -60.0}});
         double missed = 0.0;
@@ -189,7 +192,7 @@ TEST_F(RoamTest, ADeepTreeIsThereAfterOneRoundTripNotOneForEachLevel) {
     options.stream.tolerance_px = 0.0;
     options.stream.max_requests = connections;
     FakeTiles tiles(tileset);
-    SlowLink link(tiles, tileset.bytes, {.downlink_mbps = 0.0, .rtt_ms = 1000.0});
+    SlowLink link(tiles, {.downlink_mbps = 0.0, .rtt_ms = 1000.0});
     const Roamed roamed = roam_through(link, {{0.0, {}}, {2.0, {}}});
     EXPECT_EQ(roamed.frames[19].tiles, 0u);
     EXPECT_EQ(roamed.frames[20].tiles, 4u) << "the root, its children and one of theirs came together";
@@ -233,6 +236,94 @@ TEST_F(RoamTest, WrongNumbersAreRefused) {
     EXPECT_TRUE(is_refused({{0.0, {}}, {1e9, {}}})) << "too many frames";
     options.on_frame = [](const render::Image&) -> Status { return fail(ErrorCode::io, "full"); };
     EXPECT_TRUE(is_refused(still));
+}
+
+// While the camera flies, one tile after the other shows something else, or the tree grows by what has been split.
+TEST_F(RoamTest, WhenTheSceneChangesOnlyWhatHasChangedIsFetchedAndNothingIsAHole) {
+    FakeTiles tiles(tileset);
+    tiles.delay = 0.3;
+    options.stream.tolerance_px = 8.0;
+    tileset.ids.resize(tileset.nodes.size());
+    std::iota(tileset.ids.begin(), tileset.ids.end(), 0u);
+    proto::Tileset now = tileset;
+    std::size_t frame = 0, holes = 0, blank = 0;
+    options.newer = [&]() -> std::optional<proto::Tileset> {
+        if (frame % 20 != 19) return std::nullopt;
+        now.uris[frame % 5] += "'";
+        ++now.revision;
+        return now;
+    };
+    options.on_frame = [&](const render::Image& image) -> Status {
+        const std::size_t here = background_pixels(image);
+        blank += here == image.pixels() && frame == blank ? 1 : 0;
+        holes += frame >= blank ? here : 0;
+        ++frame;
+        return Nothing{};
+    };
+    const Roamed changing = roam_through(tiles, flight());
+    EXPECT_EQ(holes, 0u);
+    EXPECT_EQ(changing.revisions, 6u);
+    EXPECT_EQ(changing.frames.back().outdated_tiles, 0u);
+    EXPECT_GT(tiles.asked[4], 1) << "its content has changed";
+    for (const auto& [node, times] : tiles.asked)
+        EXPECT_TRUE(node <= 4 || times <= 3) << node << ": what waits when a revision comes is asked for anew, no more";
+}
+
+TEST_F(RoamTest, WhatIsOutdatedIsShownUntilItsNewContentIsHere) {
+    FakeTiles tiles(tileset);
+    options.stream.tolerance_px = 1e6;  // the root alone
+    tileset.ids.resize(tileset.nodes.size());
+    std::iota(tileset.ids.begin(), tileset.ids.end(), 0u);
+    std::size_t frame = 0;
+    options.newer = [&]() -> std::optional<proto::Tileset> {
+        if (frame++ != 10) return std::nullopt;
+        proto::Tileset now = tileset;
+        now.uris[0] = "/new";
+        tiles.delay = 1.0;
+        return now;
+    };
+    std::size_t pictures = 0;
+    options.on_frame = [&](const render::Image& image) -> Status {
+        EXPECT_TRUE(++pictures < 3 || background_pixels(image) == 0) << pictures;
+        if (pictures == 20) tiles.delay = 0.0;
+        return Nothing{};
+    };
+    const Roamed roamed = roam_through(tiles, {{0.0, {}}, {1.0, {}}});
+    EXPECT_EQ(roamed.frames[9].outdated_tiles, 0u);
+    EXPECT_EQ(roamed.frames[15].outdated_tiles, 1u);
+    EXPECT_EQ(roamed.frames.back().outdated_tiles, 0u);
+    EXPECT_EQ(tiles.asked[0], 2);
+}
+
+// Tiles come and go with a revision: a node that is no longer there, and children where there were none.
+TEST_F(RoamTest, TilesThatAreGoneLeaveTheGpuAndNewOnesCome) {
+    FakeTiles tiles(tileset);
+    options.stream.tolerance_px = 0.0;
+    proto::Tileset smaller = tileset;
+    smaller.nodes.resize(5);
+    smaller.uris.resize(5);
+    smaller.bytes.resize(5);
+    for (std::size_t i = 1; i < 5; ++i) smaller.nodes[i].first_child = smaller.nodes[i].child_count = 0;
+    for (const bool grows : {false, true}) {
+        proto::Tileset first = grows ? smaller : tileset, second = grows ? tileset : smaller;
+        std::size_t frame = 0;
+        options.newer = [&]() -> std::optional<proto::Tileset> {
+            return frame++ == 15 ? std::optional(second) : std::nullopt;
+        };
+        std::size_t pictures = 0, holes = 0;
+        options.on_frame = [&](const render::Image& image) -> Status {
+            holes += ++pictures > 3 ? background_pixels(image) : 0;
+            return Nothing{};
+        };
+        auto roamed = roam(*renderer, first, tiles, {{0.0, {}}, {2.0, {}}}, home, options);
+        ASSERT_TRUE(roamed) << roamed.error().message;
+        EXPECT_EQ(holes, 0u);
+        EXPECT_EQ(roamed->frames[14].tiles > 4, !grows);
+        EXPECT_EQ(roamed->frames.back().tiles > 4, grows);
+        if (!grows) {
+            EXPECT_LT(roamed->frames.back().gpu_bytes, roamed->frames[14].gpu_bytes);
+        }
+    }
 }
 
 }  // namespace

@@ -24,7 +24,9 @@ class SlowLinkTest : public ::testing::Test {
     Nodes take(SlowLink& from, double now_s) { return nodes_of(from.take(now_s)); }
     proto::Tileset tileset = testing::plates(3);
     FakeTiles tiles{tileset};
-    SlowLink link{tiles, tileset.bytes, {.downlink_mbps = 0.0016, .rtt_ms = 50.0}};
+    SlowLink link{tiles, {.downlink_mbps = 0.0016, .rtt_ms = 50.0}};
+
+    void SetUp() override { link.adopt(tileset); }
 };
 
 TEST_F(SlowLinkTest, TilesComeOneAfterTheOtherAfterTheRoundTrip) {
@@ -52,7 +54,8 @@ TEST_F(SlowLinkTest, WhatWasSentForComesThoughItIsCancelled) {
 }
 
 TEST_F(SlowLinkTest, AConnectionThatIsFreeAgainPaysTheRoundTripAnew) {
-    SlowLink far(tiles, tileset.bytes, {.downlink_mbps = 0.0, .rtt_ms = 100.0});
+    SlowLink far(tiles, {.downlink_mbps = 0.0, .rtt_ms = 100.0});
+    far.adopt(tileset);
     far.want(Nodes{0, 1, 2, 3, 4, 5, 6, 7}, 0.0);
     EXPECT_EQ(take(far, 0.11), (Nodes{0, 1, 2, 3, 4, 5}));
     EXPECT_EQ(take(far, 0.19), Nodes{});
@@ -76,7 +79,8 @@ TEST_F(SlowLinkTest, NothingComesBeforeItIsHereInTruth) {
 }
 
 TEST_F(SlowLinkTest, WithoutLimitsTilesComeAsTheyDo) {
-    SlowLink fast(tiles, tileset.bytes, {});
+    SlowLink fast(tiles, {});
+    fast.adopt(tileset);
     fast.want(Nodes{3, 1}, 0.0);
     EXPECT_EQ(take(fast, 0.0), (Nodes{3, 1}));
 }

@@ -407,6 +407,31 @@ TEST(Client, UploadsWithNameAndToken) {
     EXPECT_TRUE(request.ends_with("\r\n\r\nply\n"));
 }
 
+TEST(Client, ATilesetIsNewerOrThereIsNone) {
+    const std::string tileset =
+        R"({"asset":{"version":"1.1","tilesetVersion":"8"},"root":{"boundingVolume":{"box":[0,0,0,1,0,0,0,1,0,0,0,1]},"geometricError":0,"content":{"uri":"/v1/content/x.glb"}}})";
+    CannedServer server({{"HTTP/1.1 304 Not Modified\r\n\r\n"}, {http_reply(200, "application/json", tileset)}});
+    auto client = open(server);
+    const auto none = client.newer_tileset("a b", 7);
+    ASSERT_TRUE(none) << none.error().message;
+    EXPECT_FALSE(*none);
+    const auto newer = client.newer_tileset("a b", 7);
+    ASSERT_TRUE(newer && *newer);
+    EXPECT_EQ((*newer)->revision, 8u);
+    EXPECT_THAT(server.requests()[0], HasSubstr("GET /v1/assets/a%20b/tileset.json?after=7 "));
+}
+
+TEST(Client, SendsChangesOfNodesWithItsToken) {
+    CannedServer server({{http_reply(200, "application/json", R"({"revision":5,"moved_objects":1})")}});
+    auto client = open(server);
+    const auto changed = client.change_nodes("ship", {{3, std::nullopt, false}}, "secret");
+    ASSERT_TRUE(changed) << changed.error().message;
+    EXPECT_EQ(changed->revision, 5u);
+    EXPECT_THAT(server.requests()[0], HasSubstr("PATCH /v1/assets/ship/nodes "));
+    EXPECT_THAT(server.requests()[0], HasSubstr("Bearer secret"));
+    EXPECT_THAT(server.requests()[0], HasSubstr(R"({"nodes":[{"node":3,"visible":false}]})"));
+}
+
 TEST(Client, NeverUploadsTwice) {
     const std::string list = proto::to_json(std::vector<proto::Asset>{});
     CannedServer server({{json_reply(list)}, {"", true}, {"", true}});

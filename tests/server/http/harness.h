@@ -18,12 +18,13 @@ inline store::Store open_store(const std::filesystem::path& folder) {
 }
 
 struct Harness {
-    explicit Harness(ServiceOptions options = {}) : service(store, planner, bakes, std::move(options)) {}
+    explicit Harness(ServiceOptions options = {}) : service(store, planner, bakes, scenes, std::move(options)) {}
 
     testing::TemporaryFolder folder;
     store::Store store = open_store(folder.path() / "store");
     planner::Planner planner{store};
     BakeQueue bakes{store, planner};
+    live::LiveScenes scenes{store};
     Service service;
 
     // A small asset, baked.
