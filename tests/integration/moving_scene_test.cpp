@@ -34,7 +34,7 @@ class MovingScene : public ::testing::Test {
     void SetUp() override {
         store = (folder.path() / "store").string();
         const std::string bake =
-            std::string(LODESTREAM_SERVER " bake sample:ship:200 --store ") + store + " >" + store + ".txt";
+            std::string(LODESTREAM_SERVER " bake sample:ship:60 --store ") + store + " >" + store + ".txt";
         ASSERT_EQ(std::system(bake.c_str()), 0);
     }
     static sdk::Client open(const std::string& url) {
@@ -55,9 +55,9 @@ TEST_F(MovingScene, AWaitingClientHearsOfAChangeAndEveryTileThatItIsToldOfIsTher
     for (int step = 1; step <= 5; ++step) {
         std::thread change([&] {
             std::this_thread::sleep_for(50ms);
-            EXPECT_TRUE(changing.change_nodes("ship", lifting(100, 0.5 * step)));
+            EXPECT_TRUE(changing.change_nodes("ship", lifting(30, 0.5 * step)));
         });
-        while (height_of(now, 100) != 0.5 * step) {
+        while (height_of(now, 30) != 0.5 * step) {
             const auto newer = watching.newer_tileset("ship", now.revision);
             ASSERT_TRUE(newer) << newer.error().message;
             ASSERT_TRUE(*newer) << "nothing came";
@@ -82,7 +82,7 @@ TEST_F(MovingScene, AKilledServerHasEveryChangeThatItAnsweredAndTheSceneIsWhole)
         sdk::Client client = open(server.url);
         for (int step = 1;; ++step) {
             const auto changed =
-                client.change_nodes("ship", lifting(static_cast<std::uint32_t>(1 + step % 200), 0.01 * step));
+                client.change_nodes("ship", lifting(static_cast<std::uint32_t>(1 + step % 60), 0.01 * step));
             if (!changed) break;
             revision = changed->revision;
             answered = step;
@@ -95,10 +95,10 @@ TEST_F(MovingScene, AKilledServerHasEveryChangeThatItAnsweredAndTheSceneIsWhole)
     sdk::Client client = open(server.url);
     const auto nodes = client.nodes("ship");
     ASSERT_TRUE(nodes) << nodes.error().message;
-    for (int step = std::max(1, answered - 199); step <= answered; ++step) {
-        const double y = nodes->nodes.at(static_cast<std::size_t>(1 + step % 200)).placement.matrix[3].y;
-        EXPECT_TRUE(y == 0.01 * step || y == 0.01 * (step + 200) ||
-                    (step == answered - 199 && y == 0.01 * (answered + 1)))
+    for (int step = std::max(1, answered - 59); step <= answered; ++step) {
+        const double y = nodes->nodes.at(static_cast<std::size_t>(1 + step % 60)).placement.matrix[3].y;
+        EXPECT_TRUE(y == 0.01 * step || y == 0.01 * (step + 60) ||
+                    (step == answered - 59 && y == 0.01 * (answered + 1)))
             << step << ": " << y;
     }
     const auto now = client.tileset("ship");

@@ -11,9 +11,11 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
+#include "client/sdk/client.h"
 #include "tests/support/meshes.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
@@ -199,6 +201,48 @@ TEST_F(RoamProgram, ATileThatIsDamagedIsCoveredByTheLevelAboveAndSaid) {
     EXPECT_GT(Json::parse(ended.output)["failed_tiles"], 0);
     EXPECT_EQ(read_csv(out)[15].at("tiles"), 1.0);
     EXPECT_GT(read_csv(out)[15].at("missed_px"), 0.0);
+}
+
+// A still camera before the ship; half of the time in, a quarter of its containers is hidden, then they come back.
+TEST_F(RoamProgram, FollowsASceneThatChangesAndFetchesOnlyWhatHas) {
+    const std::string store = bake("sample:ship:60");
+    const testing::ServerProgram server(LODESTREAM_SERVER, store);
+    const Json tileset = tileset_of(store);
+    const auto box = tileset["root"]["boundingVolume"]["box"].get<std::vector<double>>();  // z upwards
+    const fs::path motion = folder.path() / "still.csv", frames = folder.path() / "frames";
+    std::ofstream(motion) << 0 << ',' << box[0] << ',' << box[2] << ',' << -box[1] + 3.0 * box[3] << ",0,0\n"
+                          << 6 << ',' << box[0] << ',' << box[2] << ',' << -box[1] + 3.0 * box[3] << ",0,0\n";
+    std::thread change([&] {
+        auto client = sdk::Client::open(server.url);
+        ASSERT_TRUE(client);
+        std::vector<proto::NodeChange> hidden, shown;
+        for (std::uint32_t node = 46; node <= 60; ++node) {
+            hidden.push_back({node, std::nullopt, false});
+            shown.push_back({node, std::nullopt, true});
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(2'000));
+        EXPECT_TRUE(client->change_nodes("ship", hidden));
+        std::this_thread::sleep_for(std::chrono::milliseconds(2'000));
+        EXPECT_TRUE(client->change_nodes("ship", shown));
+    });
+    const Ended ended = roam(server.url, "--asset ship --fps 10 --tolerance-px 0.5 --motion " + motion.string() +
+                                             " --frames " + frames.string());
+    change.join();
+    ASSERT_EQ(ended.code, 0) << ended.errors;
+    const auto rows = read_csv(out);
+    ASSERT_EQ(rows.size(), 61u);
+    const Json told = Json::parse(ended.output);
+    EXPECT_GE(told["revisions"], 2);
+    EXPECT_EQ(told["failed_tiles"], 0);
+    EXPECT_EQ(rows[38].at("missing_tiles") + rows[38].at("outdated_tiles"), 0.0);
+    const auto picture = [&](int frame) {
+        char name[16];
+        std::snprintf(name, sizeof name, "%06d.png", frame);
+        std::ifstream in(frames / name, std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(in), {});
+    };
+    EXPECT_NE(picture(18), picture(38)) << "with and without the containers";
+    EXPECT_FALSE(picture(18).empty());
 }
 
 TEST_F(RoamProgram, SaysWhatIsWrongInOneLine) {

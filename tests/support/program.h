@@ -48,6 +48,7 @@ class Program {
         for (int c = std::fgetc(output_); c != EOF && c != '\n'; c = std::fgetc(output_)) line += static_cast<char>(c);
         return line;
     }
+    pid_t pid() const { return pid_; }
     void signal(int number) const { ::kill(pid_, number); }
     // The exit code, or minus the signal that ended it.
     int wait() {
