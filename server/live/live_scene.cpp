@@ -52,10 +52,11 @@ Lists::Lists(std::size_t size, std::span<const std::uint32_t> owners) : first_(s
         if (owners[member] != none) members_[next[owners[member]]++] = member;
 }
 
-LiveScene::LiveScene(store::Store& store, std::string asset_id, bake::SceneSource source, const bake::TileTree& tiles,
-                     std::shared_ptr<TransientFiles> files)
+LiveScene::LiveScene(store::Store& store, std::string asset_id, std::string tiles_hash, bake::SceneSource source,
+                     const bake::TileTree& tiles, std::shared_ptr<TransientFiles> files)
     : store_(store),
       asset_id_(std::move(asset_id)),
+      tiles_hash_(std::move(tiles_hash)),
       source_(std::move(source)),
       files_(std::move(files)),
       tile_objects_(tiles.nodes.size(), tiles_of_objects(source_)),
@@ -95,12 +96,15 @@ Result<std::shared_ptr<LiveScene>> LiveScene::open(store::Store& store, const pr
     if (!asset.hierarchy && asset.status == proto::AssetStatus::ready) return no_scene(asset, "it is one object");
     const Result<bake::TileTree> tiles = bake::load_tiles(store, asset);
     if (!tiles) return tiles.error();
+    const Result<store::Store::Content> stored_tiles = store.content(asset.id, bake::tiles_key);
+    if (!stored_tiles) return stored_tiles.error();
     Result<bake::SceneSource> source = bake::SceneSource::open(store, asset.id);
     if (!source && source.error().code == ErrorCode::not_found)
         return no_scene(asset, "it was baked by an older version; send it again");
     if (!source) return source.error();
     if (!fits(*source, *tiles)) return invalid_input("the stored objects are not those of the stored tiles");
-    std::shared_ptr<LiveScene> scene(new LiveScene(store, asset.id, *std::move(source), *tiles, std::move(files)));
+    std::shared_ptr<LiveScene> scene(
+        new LiveScene(store, asset.id, stored_tiles->file.hash, *std::move(source), *tiles, std::move(files)));
     if (Status restored = scene->restore(); !restored) return restored.error();
     return scene;
 }
@@ -281,6 +285,11 @@ Result<proto::NodesChanged> LiveScene::change(std::span<const proto::NodeChange>
     for (const auto& [object, placement] : objects) place(object, placement);
     changed_now();
     return proto::NodesChanged{revision_, away_};
+}
+
+bool LiveScene::is_current() const {
+    const Result<store::Store::Content> tiles = store_.content(asset_id_, bake::tiles_key);
+    return tiles && tiles->file.hash == tiles_hash_;
 }
 
 std::uint64_t LiveScene::revision() const {

@@ -68,6 +68,9 @@ class LiveScene {
     // of a place), those of the store.
     Result<proto::NodesChanged> change(std::span<const proto::NodeChange> changes);
 
+    // Whether the store still has the bake that it was opened with.
+    bool is_current() const;
+
     std::uint64_t revision() const;
     std::size_t moved_objects() const;
     proto::Tileset tileset() const;
@@ -110,8 +113,8 @@ class LiveScene {
         Content own;  // of no triangles until it is made
     };
 
-    LiveScene(store::Store& store, std::string asset_id, bake::SceneSource source, const bake::TileTree& tiles,
-              std::shared_ptr<TransientFiles> files);
+    LiveScene(store::Store& store, std::string asset_id, std::string tiles_hash, bake::SceneSource source,
+              const bake::TileTree& tiles, std::shared_ptr<TransientFiles> files);
 
     Status restore();
 
@@ -141,7 +144,7 @@ class LiveScene {
     void make_levels(std::uint32_t finest, const std::function<bool()>& goes_on);
 
     store::Store& store_;
-    const std::string asset_id_;
+    const std::string asset_id_, tiles_hash_;
     const bake::SceneSource source_;
     const std::shared_ptr<TransientFiles> files_;
     const Lists tile_objects_;                // of each tile: those that it is the finest of

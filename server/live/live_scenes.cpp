@@ -65,12 +65,24 @@ void LiveScenes::run(std::size_t worker, const Work& work) {
     }
 }
 
-Result<std::shared_ptr<LiveScene>> LiveScenes::find(const proto::Asset& asset) {
-    const std::lock_guard one_at_a_time(opening_);
+std::shared_ptr<LiveScene> LiveScenes::opened(const std::string& asset_id) {
+    std::shared_ptr<LiveScene> scene;
     {
         const std::lock_guard lock(mutex_);
-        if (const auto found = scenes_.find(asset.id); found != scenes_.end()) return found->second;
+        const auto found = scenes_.find(asset_id);
+        if (found == scenes_.end()) return nullptr;
+        scene = found->second;
     }
+    if (scene->is_current()) return scene;
+    const std::lock_guard lock(mutex_);
+    if (const auto found = scenes_.find(asset_id); found != scenes_.end() && found->second == scene)
+        scenes_.erase(found);
+    return nullptr;
+}
+
+Result<std::shared_ptr<LiveScene>> LiveScenes::find(const proto::Asset& asset) {
+    const std::lock_guard one_at_a_time(opening_);
+    if (auto known = opened(asset.id)) return known;
     Result<std::shared_ptr<LiveScene>> scene = LiveScene::open(store_, asset, files_);
     if (!scene) return scene;
     const std::lock_guard lock(mutex_);
@@ -81,10 +93,7 @@ Result<std::shared_ptr<LiveScene>> LiveScenes::find(const proto::Asset& asset) {
 }
 
 Result<std::shared_ptr<LiveScene>> LiveScenes::find_changed(const proto::Asset& asset) {
-    {
-        const std::lock_guard lock(mutex_);
-        if (const auto found = scenes_.find(asset.id); found != scenes_.end()) return found->second;
-    }
+    if (auto known = opened(asset.id)) return known;
     const Result<bool> has_changed = store_.has_nodes(asset.id);
     if (!has_changed) return has_changed.error();
     return *has_changed ? find(asset) : std::shared_ptr<LiveScene>();

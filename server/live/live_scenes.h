@@ -30,7 +30,8 @@ class LiveScenes {
     LiveScenes(const LiveScenes&) = delete;
     LiveScenes& operator=(const LiveScenes&) = delete;
 
-    // The scene, opened where it is not; the same one to all until it is forgotten. Errors: those of LiveScene::open().
+    // The scene, opened where it is not; the same one to all until it is forgotten or baked anew. Errors: those of
+    // LiveScene::open().
     Result<std::shared_ptr<LiveScene>> find(const proto::Asset& asset);
     // Only if its nodes were ever changed. Errors: likewise.
     Result<std::shared_ptr<LiveScene>> find_changed(const proto::Asset& asset);
@@ -50,6 +51,8 @@ class LiveScenes {
     using Work = std::function<bool(LiveScene&)>;
     void run(std::size_t worker, const Work& work);
     std::vector<std::shared_ptr<LiveScene>> all() const;
+    // Null where it is not open, or of an older bake, which is then forgotten.
+    std::shared_ptr<LiveScene> opened(const std::string& asset_id);
 
     store::Store& store_;
     const std::shared_ptr<TransientFiles> files_;

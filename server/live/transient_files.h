@@ -15,7 +15,7 @@
 
 namespace lodestream::live {
 
-inline constexpr std::chrono::seconds transient_grace{30};
+inline constexpr std::chrono::seconds transient_grace{60};
 
 // Keeps a file while it lives.
 using FileKeeper = std::shared_ptr<const void>;

@@ -97,10 +97,10 @@ function compare(a, b) {
   return { pixels: either, silhouette: silhouette / Math.max(1, either), color: color / Math.max(1, either) };
 }
 
-// Shows the tileset in 3DTilesRendererJS beside the whole model as one GLB.
-window.measure_three = async (tileset, glb, view) => {
+// Shows the tileset in 3DTilesRendererJS beside the whole model as one GLB, which may be seen from elsewhere.
+window.measure_three = async (tileset, glb, view, glb_view = view) => {
   const { drawn, failed, pixels } = await show_in_three(tileset, view);
-  return { drawn, failed, difference: compare(pixels, await show_glb(glb, view)) };
+  return { drawn, failed, difference: compare(pixels, await show_glb(glb, glb_view)) };
 };
 
 // The last picture that three.js drew, as a data URL.

@@ -1,6 +1,8 @@
 // 3DTilesRendererJS and CesiumJS load the tileset of every scene and of a cloud: no tile fails, close views are refined down to the leaves
 // (CesiumJS on large scenes: to its usual error, for it draws slowly without a GPU), far ones are not, every leaf is
 // covered once, and the finest picture is that of the whole model.
+// Then all nodes of a scene are turned and moved while it is served: seen by a camera that is turned and moved likewise, it
+// shows the same.
 //   node tests/web/tileset.mjs LODESTREAM_SERVER [FOLDER_FOR_PICTURES]
 import { mkdir, mkdtemp, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
@@ -112,6 +114,48 @@ async function check_cloud(page, url, asset, pictures) {
   return problems.length;
 }
 
+// By the radius along each axis, and a turn about y, by which the pages' light does not change.
+function motion_of({ bounds_min: low, bounds_max: high }) {
+  const radius = Math.hypot(...low.map((l, i) => high[i] - l)) / 2, angle = 1.1;
+  return { translation: [1.5 * radius, -0.7 * radius, 0.4 * radius], angle, rotation: [0, Math.sin(angle / 2), 0, Math.cos(angle / 2)] };
+}
+
+function moved_view(view, { translation, angle }) {
+  const [c, s] = [Math.cos(angle), Math.sin(angle)];
+  const moved = ([x, y, z]) => [c * x + s * z, y, c * z - s * x].map((v, i) => v + translation[i]);
+  return { ...view, eye: moved(view.eye), target: moved(view.target) };
+}
+
+const leaves_of = (tileset) => [...tiles_below(tileset.root)].filter(({ children }) => !children);
+
+async function check_moved(page, url, asset) {
+  const tileset_url = `${url}/v1/assets/${asset.id}/tileset.json`, motion = motion_of(asset);
+  const { translation, rotation } = motion;
+  const { nodes } = await (await fetch(`${url}/v1/assets/${asset.id}/nodes`)).json();
+  const roots = nodes.filter(({ parent }) => parent === null).map(({ node }) => ({ node, translation, rotation }));
+  const answer = await fetch(`${url}/v1/assets/${asset.id}/nodes`, { method: "PATCH", body: JSON.stringify({ nodes: roots }) });
+  if (!answer.ok) throw new Error(`${asset.name}: ${await answer.text()}`);
+  let tileset;
+  do tileset = await (await fetch(`${tileset_url}`)).json();
+  while (leaves_of(tileset).some(({ geometricError }) => geometricError > 0));
+  const problems = [], moved = [...tiles_below(tileset.root)].filter(({ transform }) => transform).length;
+  if (moved === 0) problems.push("no tile has moved");
+  const view = view_of(asset, 2.8, finest_px), glb = new URL(asset.levels[0].url, url).href;
+  const three = await page.evaluate(([t, g, v, w]) => window.measure_three(t, g, v, w), [tileset_url, glb, moved_view(view, motion), view]);
+  const cesium = await page.evaluate(([t, v]) => window.measure_cesium(t, v), [tileset_url, moved_view(view, motion)]);
+  for (const [viewer, { failed, drawn }] of Object.entries({ "three.js": three, CesiumJS: cesium })) {
+    if (failed > 0) problems.push(`moved, ${viewer}: ${failed} tiles failed`);
+    if (drawn.length === 0) problems.push(`moved, ${viewer}: nothing is drawn`);
+  }
+  const { silhouette, color, pixels } = three.difference;
+  if (!(pixels > 0 && silhouette <= most_silhouette && color <= most_color))
+    problems.push(`moved, beside the whole model: ${pixels} pixels, ${silhouette} of the silhouette and ${color} of the colours differ`);
+  console.log(`${asset.name}, moved: ${moved} tiles with a transform; silhouette ${(100 * silhouette).toFixed(3)} %, ` +
+              `colour ${(100 * color).toFixed(3)} % of ${pixels} pixels differ; ${problems.length} problems`);
+  for (const problem of problems) console.error(`${asset.name}: ${problem}`);
+  return problems.length;
+}
+
 async function check_tilesets(url, pictures) {
   const pages = await serve_pages(new Map());
   const browser = await open_browser();
@@ -124,6 +168,7 @@ async function check_tilesets(url, pictures) {
       const { page, errors } = await open_page(browser, `${pages.url}/tiles.html`);
       await page.waitForFunction(() => window.measure_cesium);
       bad += await (asset.kind === "points" ? check_cloud : check_asset)(page, url, asset, pictures);
+      if (asset.hierarchy?.tiles <= most_leaves_in_cesium) bad += await check_moved(page, url, asset);
       for (const error of errors) console.error(`${asset.name}: console: ${error}`);
       bad += errors.length;
       await page.close();
