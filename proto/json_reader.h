@@ -72,10 +72,11 @@ class Fields {
     void read_value(const Json& value, const char* name, std::string& out) const;
     void read_value(const Json& value, const char* name, std::uint32_t& out) const;
     void read_value(const Json& value, const char* name, std::uint64_t& out) const;
-    template <std::size_t n>
-    void read_value(const Json& value, const char* name, std::array<double, n>& out) const {
-        if (!is_numbers(value, n)) return refuse(name, "must be an array of " + std::to_string(n) + " numbers", &value);
-        for (std::size_t i = 0; i < n; ++i) out[i] = value[i].template get<double>();
+    template <std::size_t Count>
+    void read_value(const Json& value, const char* name, std::array<double, Count>& out) const {
+        if (!is_numbers(value, Count))
+            return refuse(name, "must be an array of " + std::to_string(Count) + " numbers", &value);
+        for (std::size_t i = 0; i < Count; ++i) out[i] = value[i].template get<double>();
     }
     void read_value(const Json& value, const char* name, Vec3d& out) const;
     void read_value(const Json& value, const char* name, std::vector<std::string>& out) const;

@@ -38,10 +38,10 @@ std::string quoted(const std::string& text) {
     return result + '"';
 }
 
-template <std::size_t n>
-std::string numbers_json(const std::array<double, n>& numbers) {
+template <std::size_t Count>
+std::string numbers_json(const std::array<double, Count>& numbers) {
     std::string text = "[";
-    for (std::size_t i = 0; i < n; ++i) text += (i > 0 ? "," : "") + number(numbers[i] + 0.0);
+    for (std::size_t i = 0; i < Count; ++i) text += (i > 0 ? "," : "") + number(numbers[i] + 0.0);
     return text + "]";
 }
 

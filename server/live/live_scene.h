@@ -80,8 +80,9 @@ class LiveScene {
     // Whether some object is drawn nowhere at its own place yet: make_rest() has work.
     bool is_behind() const;
 
-    // Make what a change has made untrue, one tile a call; false where there is nothing to do. From one thread each.
-    // What cannot be made stays as it is, off by what it says. `goes_on`: false ends early.
+    // Make what a change has made untrue, one tile a call; false where there is nothing to do. make_rest() from any
+    // thread, make_above() from one. What cannot be made stays as it is, off by what it says. `goes_on`: false ends
+    // early.
     bool make_rest();
     bool make_above(const std::function<bool()>& goes_on);
 

@@ -23,9 +23,10 @@ bool without_throwing(const std::function<bool(LiveScene&)>& work, LiveScene& sc
 }  // namespace
 
 LiveScenes::LiveScenes(store::Store& store) : store_(store), files_(std::make_shared<TransientFiles>(store)) {
+    // What is behind comes first, to both.
     const std::array<Work, 2> works{
         [](LiveScene& scene) { return scene.make_rest(); },
-        [this](LiveScene& scene) { return scene.make_above([this] { return !stopping_; }); }};
+        [this](LiveScene& scene) { return scene.make_rest() || scene.make_above([this] { return !stopping_; }); }};
     for (std::size_t worker = 0; worker < works.size(); ++worker)
         workers_.emplace_back([this, worker, work = works[worker]] { run(worker, work); });
 }

@@ -1,5 +1,6 @@
 // The scenes of a store that are changed while they are served, and the two threads that make their tiles true again:
-// one for what is drawn nowhere at its place yet, one for the levels above, so that neither waits for the other.
+// both first what is drawn nowhere at its place yet, one alone the levels above, so that a change never waits for
+// these.
 #pragma once
 
 #include <array>
