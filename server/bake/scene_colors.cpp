@@ -17,7 +17,6 @@ namespace lodestream::bake {
 
 namespace {
 
-
 constexpr int jpeg_quality = 85;
 constexpr double hint_slack = 1.0 + 1e-6;
 

@@ -153,7 +153,8 @@ class Walker {
             }
             for (std::size_t k = 0; k < 4; ++k)
                 if (!rotations->empty()) rotation[static_cast<int>(k)] = (*rotations)[4 * i + k];
-            scene_.instances.push_back({node.mesh, node.skin, world * matrix_of(translation, rotation, scale), place()});
+            scene_.instances.push_back(
+                {node.mesh, node.skin, world * matrix_of(translation, rotation, scale), place()});
         }
         return Nothing{};
     }
