@@ -13,6 +13,7 @@
 #include "client/report/measure_frame_rate.h"
 #include "client/report/server_process.h"
 #include "tests/bench/table.h"
+#include "tests/bench/value_of.h"
 
 namespace lodestream::bench {
 namespace {
@@ -22,12 +23,6 @@ struct Arguments {
     std::string csv;
     int turns = 5;
 };
-
-template <class T>
-T value_of(Result<T> result) {
-    if (!result) throw std::runtime_error(result.error().message);
-    return *std::move(result);
-}
 
 void write_frames(std::ofstream& file, int turn, const report::FlightResult& flight) {
     for (const control::FlownFrame& frame : flight.frames)

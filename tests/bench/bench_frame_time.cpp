@@ -15,6 +15,7 @@
 #include "common/simplify/history.h"
 #include "tests/bench/levels.h"
 #include "tests/bench/table.h"
+#include "tests/bench/value_of.h"
 
 namespace lodestream::bench {
 namespace {
@@ -48,12 +49,6 @@ struct Row {
     double predicted_ms = 0.0;
     double off() const { return predicted_ms / measured.ms - 1.0; }
 };
-
-template <class T>
-T value_of(Result<T> result) {
-    if (!result) throw std::runtime_error(result.error().message);
-    return *std::move(result);
-}
 
 // As a client gets it: coded, and decoded in the coder's order. Hybrid: the half of the triangles that comes first.
 codec::Decoded sent(const mesh::Model& model, const mesh::Mesh& level, Mode mode) {

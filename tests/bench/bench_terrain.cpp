@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <iostream>
 #include <random>
-#include <set>
 #include <stdexcept>
 
 #include "client/render/gl_context.h"
@@ -12,6 +11,7 @@
 #include "common/simplify/history.h"
 #include "tests/bench/levels.h"
 #include "tests/bench/table.h"
+#include "tests/bench/value_of.h"
 #include "tests/client/render/terrain_views.h"
 
 namespace lodestream::bench {
@@ -30,12 +30,6 @@ struct Step {
 constexpr Step steps[] = {{1.0, 0.02}, {0.25, 0.18}, {0.05, 0.2}, {0.01, 0.2}, {0.002, 0.2}, {0.0004, 0.2}};
 constexpr std::uint64_t most_coded = 3'000'000;  // triangles; larger levels are drawn uncoded, which takes less memory
 constexpr double rim = 0.02;                     // of the extent: an open edge farther in is a crack or a T-junction
-
-template <class T>
-T value_of(Result<T> result) {
-    if (!result) throw std::runtime_error(result.error().message);
-    return *std::move(result);
-}
 
 // As a client gets it, its shading in stripes, so that there are many borders between Gouraud and flat.
 codec::Decoded sent(const mesh::Model& model, const mesh::Mesh& level) {
