@@ -94,7 +94,7 @@ Result<std::shared_ptr<LiveScene>> LiveScenes::find(const proto::Asset& asset) {
 }
 
 Result<std::shared_ptr<LiveScene>> LiveScenes::find_changed(const proto::Asset& asset) {
-    if (auto known = opened(asset.id)) return known;
+    if (auto known = opened(asset.id)) return known->revision() > 0 ? known : std::shared_ptr<LiveScene>();
     const Result<bool> has_changed = store_.has_nodes(asset.id);
     if (!has_changed) return has_changed.error();
     return *has_changed ? find(asset) : std::shared_ptr<LiveScene>();
