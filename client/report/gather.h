@@ -13,7 +13,7 @@
 namespace lodestream::report {
 
 inline constexpr double max_bake_wait_s = 3600.0;
-inline constexpr double max_quick_bake_wait_s = 30.0;            // once something is ready; then that is measured
+inline constexpr double max_quick_bake_wait_s = 12.0;            // once something is ready; then that is measured
 inline constexpr std::uint64_t max_quick_triangles = 1'000'000;  // larger assets are left out of a quick report
 inline constexpr std::size_t max_quick_assets = 4;
 inline constexpr std::size_t max_assets = 256;

@@ -2,11 +2,13 @@
 // README.md.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "client/render/gl_context.h"
@@ -75,11 +77,22 @@ std::string scene_of(const report::FrameRateResult& turn) {
            std::to_string(turn.screen.height) + " px, levels of" + levels + " triangles\n";
 }
 
+// What is flown over has to be there.
+void wait_for_bakes(sdk::Client& client) {
+    const auto bakes = [](const proto::Asset& asset) { return asset.status == proto::AssetStatus::baking; };
+    for (;;) {
+        const std::vector<proto::Asset> assets = value_of(client.assets());
+        if (!assets.empty() && std::none_of(assets.begin(), assets.end(), bakes)) return;
+        std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    }
+}
+
 void run(const Arguments& arguments) {
     std::optional<report::ServerProcess> own;
     if (arguments.server.empty())
         own.emplace(value_of(report::ServerProcess::start(report::server_beside_this_program(), std::nullopt)));
     sdk::Client client = value_of(sdk::Client::open(own ? own->url() : arguments.server));
+    wait_for_bakes(client);
     const render::GlContext context = value_of(render::create_headless_context());
     render::Renderer renderer = value_of(render::Renderer::create());
     std::ofstream csv;
