@@ -75,7 +75,7 @@ struct PointsCrowd {
     std::string model;
     std::uint64_t instances = 0, full_triangles = 0, points = 0;
     double full_ms = 0.0, points_ms = 0.0;  // of a frame, CPU time
-    std::optional<double> paper_gain;  // of the frame rate
+    std::optional<double> paper_gain;       // of the frame rate
 };
 
 struct PointsPicture {
