@@ -37,7 +37,7 @@ TEST(Gzip, ComesBackWhateverPartIsDeflated) {
 }
 
 TEST(Gunzip, MoreThanAllowedIsRefusedBeforeItIsMade) {
-    const std::string bomb = gzip(std::string(100'000'000, '\0'));
+    const std::string bomb = gzip(std::string(8'000'000, '\0'));
     const Result<std::string> back = gunzip(bomb, 1'000'000);
     ASSERT_FALSE(back);
     EXPECT_EQ(back.error().code, ErrorCode::limit_exceeded);
