@@ -24,6 +24,25 @@ bool is_partition(std::span<const std::uint64_t> first, std::size_t objects, std
            std::is_sorted(first.begin(), first.end());
 }
 
+template <class Stream, class Model, class Arrays>
+void describe(Stream& stream, Model& model, Arrays& arrays) {
+    stream(model.materials);
+    stream(model.images);
+    stream(model.origin);
+    stream(model.graph.parents);
+    stream(model.graph.object_nodes);
+    stream.array(arrays.boxes);
+    stream.array(arrays.tiles);
+    stream.array(arrays.first_vertex);
+    stream.array(arrays.first_triangle);
+    stream.array(arrays.positions);
+    stream.array(arrays.normals);
+    stream.array(arrays.texture_coordinates);
+    stream.array(arrays.colors);
+    stream.array(arrays.triangles);
+    stream.array(arrays.triangle_materials);
+}
+
 template <class T>
 void copy(std::span<const T> from, std::uint64_t first, std::uint64_t end, std::vector<T>& to) {
     if (!from.empty())
@@ -35,13 +54,13 @@ void copy(std::span<const T> from, std::uint64_t first, std::uint64_t end, std::
 Result<store::StoredFile> put_scene_source(store::Store& store, const std::string& asset_id, const mesh::Model& model,
                                            std::span<const std::span<const std::uint32_t>> triangles,
                                            const std::vector<std::uint32_t>& tiles) {
-    mesh::Mesh all;
-    std::vector<Box> boxes;
-    std::vector<std::uint64_t> first_vertex{0}, first_triangle{0};
+    ObjectArrays<simplify::OwnedArray> all;
+    all.tiles = tiles;
+    all.first_vertex = all.first_triangle = {0};
     for (const auto& of_object : triangles) {
         const mesh::Mesh object = mesh::part(model.mesh, of_object);
         const Box box = mesh::bounds(object);
-        boxes.push_back(box.empty() ? box : Box{box.min + model.origin, box.max + model.origin});
+        all.boxes.push_back(box.empty() ? box : Box{box.min + model.origin, box.max + model.origin});
         all.positions.insert(all.positions.end(), object.positions.begin(), object.positions.end());
         all.normals.insert(all.normals.end(), object.normals.begin(), object.normals.end());
         all.texture_coordinates.insert(all.texture_coordinates.end(), object.texture_coordinates.begin(),
@@ -50,26 +69,12 @@ Result<store::StoredFile> put_scene_source(store::Store& store, const std::strin
         all.triangles.insert(all.triangles.end(), object.triangles.begin(), object.triangles.end());
         all.triangle_materials.insert(all.triangle_materials.end(), object.triangle_materials.begin(),
                                       object.triangle_materials.end());
-        first_vertex.push_back(all.positions.size());
-        first_triangle.push_back(all.triangles.size());
+        all.first_vertex.push_back(all.positions.size());
+        all.first_triangle.push_back(all.triangles.size());
     }
     Writer writer;
     writer.magic(magic);
-    writer(model.materials);
-    writer(model.images);
-    writer(model.origin);
-    writer(model.graph.parents);
-    writer(model.graph.object_nodes);
-    writer.array(boxes);
-    writer.array(tiles);
-    writer.array(first_vertex);
-    writer.array(first_triangle);
-    writer.array(all.positions);
-    writer.array(all.normals);
-    writer.array(all.texture_coordinates);
-    writer.array(all.colors);
-    writer.array(all.triangles);
-    writer.array(all.triangle_materials);
+    describe(writer, model, all);
     return store.put_content(asset_id, objects_key, "objects", writer.bytes);
 }
 
@@ -86,43 +91,31 @@ Result<SceneSource> SceneSource::open(const store::Store& store, const std::stri
 Status SceneSource::read() {
     Reader reader(file_.bytes());
     if (!reader.magic(magic)) return damaged();
-    reader(model_.materials);
-    reader(model_.images);
-    reader(model_.origin);
-    reader(model_.graph.parents);
-    reader(model_.graph.object_nodes);
-    reader.array(boxes_);
-    reader.array(tiles_);
-    reader.array(first_vertex_);
-    reader.array(first_triangle_);
-    reader.array(positions_);
-    reader.array(normals_);
-    reader.array(texture_coordinates_);
-    reader.array(colors_);
-    reader.array(triangles_);
-    reader.array(triangle_materials_);
-    const std::size_t vertices = positions_.size(), objects = tiles_.size();
+    describe(reader, model_, arrays_);
+    const std::size_t vertices = arrays_.positions.size(), objects = arrays_.tiles.size();
     const auto is_whole = [](std::size_t size, std::size_t count) { return size == 0 || size == count; };
     const bool sound = reader.ok() && reader.at_end() && is_forest(model_.graph) && !model_.materials.empty() &&
                        all_finite(model_.origin) && model_.graph.object_nodes.size() == objects &&
-                       boxes_.size() == objects && is_partition(first_vertex_, objects, vertices) &&
-                       is_partition(first_triangle_, objects, triangles_.size()) &&
-                       is_whole(normals_.size(), vertices) && is_whole(texture_coordinates_.size(), vertices) &&
-                       is_whole(colors_.size(), vertices) && is_whole(triangle_materials_.size(), triangles_.size());
+                       arrays_.boxes.size() == objects && is_partition(arrays_.first_vertex, objects, vertices) &&
+                       is_partition(arrays_.first_triangle, objects, arrays_.triangles.size()) &&
+                       is_whole(arrays_.normals.size(), vertices) &&
+                       is_whole(arrays_.texture_coordinates.size(), vertices) &&
+                       is_whole(arrays_.colors.size(), vertices) &&
+                       is_whole(arrays_.triangle_materials.size(), arrays_.triangles.size());
     if (!sound) return damaged();
     return Nothing{};
 }
 
 Result<mesh::Mesh> SceneSource::mesh(std::uint32_t object) const {
-    const std::uint64_t vertex = first_vertex_[object], vertex_end = first_vertex_[object + 1];
-    const std::uint64_t triangle = first_triangle_[object], triangle_end = first_triangle_[object + 1];
+    const std::uint64_t vertex = arrays_.first_vertex[object], vertex_end = arrays_.first_vertex[object + 1];
+    const std::uint64_t triangle = arrays_.first_triangle[object], triangle_end = arrays_.first_triangle[object + 1];
     mesh::Mesh mesh;
-    copy(positions_, vertex, vertex_end, mesh.positions);
-    copy(normals_, vertex, vertex_end, mesh.normals);
-    copy(texture_coordinates_, vertex, vertex_end, mesh.texture_coordinates);
-    copy(colors_, vertex, vertex_end, mesh.colors);
-    copy(triangles_, triangle, triangle_end, mesh.triangles);
-    copy(triangle_materials_, triangle, triangle_end, mesh.triangle_materials);
+    copy(arrays_.positions, vertex, vertex_end, mesh.positions);
+    copy(arrays_.normals, vertex, vertex_end, mesh.normals);
+    copy(arrays_.texture_coordinates, vertex, vertex_end, mesh.texture_coordinates);
+    copy(arrays_.colors, vertex, vertex_end, mesh.colors);
+    copy(arrays_.triangles, triangle, triangle_end, mesh.triangles);
+    copy(arrays_.triangle_materials, triangle, triangle_end, mesh.triangle_materials);
     for (const mesh::Triangle& t : mesh.triangles)
         if (*std::max_element(t.begin(), t.end()) >= mesh.positions.size()) return damaged();
     for (const std::uint32_t material : mesh.triangle_materials)

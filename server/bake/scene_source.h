@@ -9,6 +9,7 @@
 
 #include "common/base/result.h"
 #include "common/mesh/mesh.h"
+#include "common/simplify/history.h"
 #include "server/store/mapped_file.h"
 #include "server/store/store.h"
 
@@ -23,17 +24,30 @@ Result<store::StoredFile> put_scene_source(store::Store& store, const std::strin
                                            std::span<const std::span<const std::uint32_t>> triangles,
                                            const std::vector<std::uint32_t>& tiles);
 
+// What is kept of the objects, one behind the other.
+template <template <class> class Array>
+struct ObjectArrays {
+    Array<Box> boxes;
+    Array<std::uint32_t> tiles;
+    Array<std::uint64_t> first_vertex, first_triangle;  // one more than objects
+    Array<Vec3f> positions, normals;
+    Array<Vec2f> texture_coordinates;
+    Array<Rgba8> colors;
+    Array<mesh::Triangle> triangles;  // of vertices counted from the object's first
+    Array<std::uint32_t> triangle_materials;
+};
+
 class SceneSource {
   public:
     // Maps the stored form. Errors: not_found (the asset has none), invalid_input (damaged), io.
     static Result<SceneSource> open(const store::Store& store, const std::string& asset_id);
 
-    std::uint32_t objects() const { return static_cast<std::uint32_t>(tiles_.size()); }
+    std::uint32_t objects() const { return static_cast<std::uint32_t>(arrays_.tiles.size()); }
     // Everything but a mesh.
     const mesh::Model& model() const { return model_; }
     // Around the object, world axes; empty without triangles. pre: object < objects(), here and below
-    const Box& box(std::uint32_t object) const { return boxes_[object]; }
-    std::uint32_t tile(std::uint32_t object) const { return tiles_[object]; }
+    const Box& box(std::uint32_t object) const { return arrays_.boxes[object]; }
+    std::uint32_t tile(std::uint32_t object) const { return arrays_.tiles[object]; }
     // Its geometry, relative to the model's origin. Errors: invalid_input (damaged).
     Result<mesh::Mesh> mesh(std::uint32_t object) const;
 
@@ -43,14 +57,7 @@ class SceneSource {
 
     store::MappedFile file_;
     mesh::Model model_;
-    std::span<const Box> boxes_;
-    std::span<const std::uint32_t> tiles_;
-    std::span<const std::uint64_t> first_vertex_, first_triangle_;  // one more than objects
-    std::span<const Vec3f> positions_, normals_;
-    std::span<const Vec2f> texture_coordinates_;
-    std::span<const Rgba8> colors_;
-    std::span<const mesh::Triangle> triangles_;  // of vertices counted from the object's first
-    std::span<const std::uint32_t> triangle_materials_;
+    ObjectArrays<simplify::ArrayView> arrays_;
 };
 
 }  // namespace lodestream::bake

@@ -9,9 +9,8 @@
 // - A finest tile of one object alone moves as it is, with its coarser levels.
 // - One of several gets tiles below it: each object that has moved by itself, which is moved from then on by its tile's
 //   transform alone, and the rest of them. Until these are made (make_rest()) it is the finest there is, and off.
-// - The tiles above are made again from those below, the deepest first and each at most once a round (make_above()),
-// and
-//   a finest tile whose objects have been at rest for rest_time again as one.
+// - The tiles above are made again from those below, the deepest first and each at most once a round (make_above());
+//   so is a finest tile whose objects have been at rest for rest_time, as one again.
 #pragma once
 
 #include <chrono>
