@@ -69,7 +69,7 @@ struct PredictiveOptions {
     double refine_share = 0.90;   // of the deadline, for a finer level; lower: fewer switches, coarser
     double look_ahead_s = 0.10;   // along the motion; longer: earlier coarsening
     double hold_s = 0.08;         // finer only where what moved within it would fit; longer: fewer switches, coarser
-    double refine_wait_s = 0.10;  // between a switch and a finer level; likewise
+    double refine_wait_s = 0.10;  // between a coarser and a finer level; likewise
 };
 
 struct Options {

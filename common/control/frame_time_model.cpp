@@ -16,10 +16,12 @@ constexpr double largest_deviation = 1.0;  // however long a cost was not seen
 constexpr double common_drift = 0.02;      // of all costs together, a frame; doubled with each outlier on one side
 constexpr int most_doublings = 4;
 constexpr double single_drift = 0.004;    // of one cost, a frame
-constexpr double measuring_noise = 0.05;  // of a frame's time
+constexpr double measuring_noise = 0.05;  // of a frame's time, at least
+constexpr double noise_per_spread = 1.0;  // a standard deviation in mean deviations, of a normal distribution
 constexpr double outlier_deviations = 3.0;
 constexpr double least_share = 0.01, most_share = 1000.0;
 constexpr double level_gain = 0.04;  // of a level's own correction, a frame
+constexpr double level_leak = 0.02;  // back to none, a frame: costs and corrections cannot run away from each other
 constexpr double least_level_factor = 0.5, most_level_factor = 2.0;
 constexpr double first_spread = 0.04;
 constexpr double spread_gain = 0.05;
@@ -88,7 +90,8 @@ void correct(FrameTimeModel& model, const Vector& x, double measured_ms) {
     Vector gain{};
     for (std::size_t i = 0; i < size; ++i) gain[i] = product(model.covariance[i], x);
     const double predicted_ms = product(model.share, x);
-    const double noise_ms = measuring_noise * std::max(predicted_ms, least_ms);
+    const double noise = std::max(measuring_noise, noise_per_spread * model.spread);
+    const double noise_ms = noise * std::max(predicted_ms, least_ms);
     const double variance = product(gain, x) + noise_ms * noise_ms;
     const double most = outlier_deviations * std::sqrt(variance);
     model.outliers = outliers_with(model.outliers, measured_ms - predicted_ms, most);
@@ -149,7 +152,8 @@ FrameTimeModel learn(FrameTimeModel model, const Work& work, double measured_ms)
     bound_covariance(model);
     correct(model, x, measured_ms / factor);
     const double rest = std::clamp(measured_ms / predict_ms(model, work), 0.5, 2.0);
-    factor = std::clamp(factor * std::pow(rest, level_gain), least_level_factor, most_level_factor);
+    factor = std::clamp(std::pow(factor, 1.0 - level_leak) * std::pow(rest, level_gain), least_level_factor,
+                        most_level_factor);
     return model;
 }
 

@@ -11,6 +11,11 @@ constexpr double long_ago_s = 1e6;
 constexpr double undone_within_s = 1.0;  // a finer level that is left sooner without more motion was a mistake
 constexpr double mistake_share = 0.93;   // of the room for a finer level, after each mistake
 constexpr std::uint32_t most_mistakes = 4;
+constexpr double settled_s = 2.0;  // a level that lasted is left for as much more room as after one more mistake: noise
+                                   // alone would else try a finer one at last
+constexpr double trial_s = 0.05;   // of a finer level, predicted without a reserve
+constexpr double optimism = 0.7;   // at rest; predictions of a level not drawn for long have been off as much, and only
+                                   // trying tells
 constexpr double budget_share_to_refine = 0.9;
 
 // One frame's question, with everything that the answer depends on.
@@ -24,6 +29,7 @@ struct Question {
     std::uint32_t exposures = 1;        // now
     std::uint32_t exposures_ahead = 1;  // the most, now and along the motion
     std::uint32_t exposures_held = 1;   // the most, ahead and within the last hold_s
+    bool at_rest = false;               // as long: a late frame would show what was there anyway
 };
 
 Work work_of(const Question& q, std::uint32_t level, std::uint32_t exposures, bool switched) {
@@ -64,6 +70,13 @@ std::uint32_t finest_that_fits(const Question& q, double share) {
     return last;
 }
 
+// A finer level is judged by what it takes before it is left again.
+bool is_on_trial(const Question& q) {
+    const bool was_in_time = q.state.work.uploaded_triangles > 0.0 || q.now.frame_ms <= deadline_ms(q.options);
+    return q.state.last_was_refinement && q.state.since_switch_s <= trial_s && was_in_time &&
+           q.exposures_ahead <= q.state.exposures_at_switch;
+}
+
 bool must_coarsen(const Question& q) {
     const double share = q.options.predictive.deadline_share;
     if (!within_budget(q, q.level, 1.0) || !fits(q, q.level, q.exposures, false, share)) return true;
@@ -76,13 +89,17 @@ bool must_coarsen(const Question& q) {
 // The finest of the finer levels that may be taken now, or the same level.
 std::uint32_t refined(const Question& q) {
     const PredictiveOptions& options = q.options.predictive;
-    const bool allowed = q.state.since_switch_s >= options.refine_wait_s &&
-                         recent_switches(q.state) + 2 <= max_switches_per_s;  // this one and one to undo it
-    if (!allowed) return q.level;
-    const double share = options.refine_share * std::pow(mistake_share, q.state.mistakes[index_of(q.exposures_held)]);
+    const bool waited = q.state.last_was_refinement || q.state.since_switch_s >= options.refine_wait_s;
+    const bool may_be_undone = recent_switches(q.state) + 2 <= max_switches_per_s;
+    if (!waited || !may_be_undone) return q.level;
+    const std::uint32_t mistakes = q.state.mistakes[index_of(q.exposures_held)];
+    Question asked = q;
+    if (q.at_rest && mistakes == 0) asked.safety = optimism;  // tried once, that is
+    const std::uint32_t settled = q.state.since_switch_s >= settled_s ? 1 : 0;
+    const double share = options.refine_share * std::pow(mistake_share, mistakes + settled);
     for (std::uint32_t level = 0; level < q.level; ++level)
-        if (within_budget(q, level, budget_share_to_refine) && fits(q, level, q.exposures_held, false, share) &&
-            fits(q, level, q.exposures, true, options.deadline_share))
+        if (within_budget(q, level, budget_share_to_refine) && fits(asked, level, q.exposures_held, false, share) &&
+            fits(asked, level, q.exposures, true, options.deadline_share))
             return level;
     return q.level;
 }
@@ -150,11 +167,13 @@ Prediction predict(PredictiveState state, std::uint32_t level, const Measurement
 
     // A view that slows down as fast as that turns back rather than stops.
     const double speed_ahead = std::abs(now.speed_deg_s + acceleration_deg_s2 * options.predictive.look_ahead_s);
-    Question q{state, level, now, ladder, options, safety_factor(state.model)};
+    Question q{state, level, now, ladder, options};
     q.exposures = exposures(now.speed_deg_s, options.blur);
     q.exposures_ahead = std::max(q.exposures, exposures(speed_ahead, options.blur));
     note_exposures(state, q.exposures);
     q.exposures_held = std::max(q.exposures_ahead, held_exposures(state, options.predictive.hold_s));
+    q.at_rest = q.exposures_held == 1 && std::max(std::abs(now.speed_deg_s), speed_ahead) <= options.speed.still_deg_s;
+    q.safety = is_on_trial(q) ? 1.0 : safety_factor(state.model);
 
     const std::uint32_t chosen = choose(q);
     const bool switched = !first && chosen != level;

@@ -48,6 +48,21 @@ TEST(FrameTimeModel, LearnsALinearDeviceThroughNoise) {
     }
 }
 
+// As when a renderer's threads share a core every other frame: level 1 takes 5 or 8.5 ms for minutes. Its costs and its
+// own correction describe the same frames, so that one could grow while the other falls.
+TEST(FrameTimeModel, FramesThatScatterForLongDoNotRaiseWhatAnotherLevelIsSaidToTake) {
+    const Work often{1, 50'000, 1.0, 5e5, 0.0, 0.0, 5e5}, other{0, 200'000, 1.0, 5e5, 0.0, 0.0, 5e5};
+    Random random(3);
+    FrameTimeModel model = make_model({});
+    double at_first = 0.0;
+    for (int i = 0; i < 6000; ++i) {
+        model = learn(model, often, random.uniform() < 0.3 ? 5.0 : 8.5);
+        if (i == 300) at_first = predict_ms(model, other);
+    }
+    EXPECT_NEAR(predict_ms(model, other) / at_first, 1.0, 0.25);
+    EXPECT_NEAR(predict_ms(model, often), 7.5, 1.5);
+}
+
 TEST(FrameTimeModel, NoticesADeviceThatBecameTwiceAsSlowWithinTwentyFrames) {
     FrameTimeModel model = trained(400, 0.03);
     const Work now{2, 50'000, 1.0, 5e5, 0.0, 0.0, 5e5};

@@ -16,10 +16,13 @@ const std::vector<Level> ladder{{100'000, 0.0}, {50'000, 0.5}, {25'000, 1.0}, {1
 struct Plant {
     double slower = 1.0;
     double finest_extra_ms = 0.0;  // what level 0 costs that no linear model foresees
+    double level_1_times = 1.0;    // likewise
     std::uint32_t level = 0;
     double frame_ms(const Decision& decision) const {
         const auto triangles = static_cast<double>(ladder[decision.level].triangles);
-        return slower * (1.0 + decision.exposures * triangles * 1e-4 + (decision.switched ? triangles * 3e-5 : 0.0)) +
+        const double times = decision.level == 1 ? level_1_times : 1.0;
+        return slower * times *
+                   (1.0 + decision.exposures * triangles * 1e-4 + (decision.switched ? triangles * 3e-5 : 0.0)) +
                (decision.level == 0 ? finest_extra_ms : 0.0);
     }
 };
@@ -88,6 +91,32 @@ TEST(Predictive, RefinesAfterAStopButNotAtOnce) {
     EXPECT_EQ(session.decisions[before].level, 2u);
     EXPECT_EQ(session.level(), 0u);
     EXPECT_EQ(session.late(), 0);
+}
+
+// Frames of level 1 take twice what they should, those of level 0 do not: only drawing it tells.
+TEST(Predictive, AtRestTriesAFinerLevelThatMayBeInTime) {
+    Session session;
+    Plant odd;
+    odd.level_1_times = 2.0;
+    session.frames(50, odd, 200.0);
+    session.frames(100, odd, 0.0);
+    EXPECT_EQ(session.level(), 0u);
+    EXPECT_LE(session.late(), 2);
+}
+
+TEST(Predictive, AFinerLevelThatIsLateIsTriedAFewTimesAtRestAndThenNoMore) {
+    Session session;
+    Plant dear;
+    dear.finest_extra_ms = 12.0;  // 23 ms, of which its model knows 11
+    session.frames(50, dear, 200.0);
+    const int switches = session.switches();
+    session.frames(500, dear, 0.0);
+    EXPECT_LE(session.switches() - switches, 8);  // four there and back
+    EXPECT_EQ(session.level(), 1u);
+    const int late = session.late();
+    session.frames(3000, dear, 0.0);  // a minute
+    EXPECT_EQ(session.late(), late);
+    EXPECT_EQ(session.level(), 1u);
 }
 
 TEST(Predictive, CoarsensAheadOfASpeedThatGrowsWhereTheSwitchWouldNotFitThen) {
