@@ -21,6 +21,8 @@ inline constexpr int gltf_array_buffer = 34962;
 inline constexpr int gltf_element_array_buffer = 34963;
 inline constexpr int gltf_triangles = 4;
 inline constexpr const char* draco_extension = "KHR_draco_mesh_compression";
+// A primitive whose geometry is a lean stream (lean_mesh.h) in a buffer view.
+inline constexpr const char* lean_extension = "LODESTREAM_lean_mesh";
 
 inline constexpr std::size_t max_json_bytes = std::size_t{8} << 20;
 inline constexpr std::size_t max_json_depth = 64;

@@ -10,6 +10,7 @@
 #include "common/codec/glb.h"
 #include "common/codec/lean_shading.h"
 #include "common/codec/level_codec.h"
+#include "common/codec/primitive_codec.h"
 
 namespace lodestream::codec {
 namespace {
@@ -135,6 +136,8 @@ class Reader {
     Primitive read_primitive(const json& primitive, DracoMesh& mesh) const;
     std::vector<Primitive> read_shaded(const json& primitive);
     DracoMesh read_compressed(const json& primitive, const json& extension);
+    DracoMesh read_lean(const json& primitive, const json& extension);
+    void check_indices(const json& primitive, const DracoMesh& mesh) const;
     DracoMesh read_plain(const json& primitive);
     void read_plain_indices(const json& primitive, DracoMesh& mesh);
     const json* find_node() const;
@@ -149,7 +152,7 @@ class Reader {
 void Reader::check_head() const {
     require(text_or(member(root_, "asset"), "version", "") == "2.0", "not glTF 2.0");
     for (const json& extension : array_of(root_, "extensionsRequired"))
-        if (extension != draco_extension)
+        if (extension != draco_extension && extension != lean_extension)
             throw Refusal{fail(ErrorCode::unsupported, "GLB: a required extension is not supported")};
     const json& buffers = array_of(root_, "buffers");
     require(buffers.size() == (binary_.empty() ? 0u : 1u), "one buffer is expected, the binary chunk");
@@ -279,16 +282,19 @@ bool is_index_type(std::uint64_t component_type) {
     return component_type == gltf_unsigned_short || component_type == gltf_unsigned_int;
 }
 
+void Reader::check_indices(const json& primitive, const DracoMesh& mesh) const {
+    const std::uint64_t indices = whole(member(primitive, "indices"));
+    const std::uint64_t index_type = whole(member(element("accessors", indices), "componentType"));
+    require(is_index_type(index_type), "indices of an unexpected type");
+    check_accessor(indices, "SCALAR", index_type, std::uint64_t{mesh.triangles.size()} * 3);
+}
+
 DracoMesh Reader::read_compressed(const json& primitive, const json& extension) {
     const auto stream = take_view(whole(member(extension, "bufferView")));
     Result<DracoMesh> decoded = decode_draco(stream, vertices_left_, triangles_left_);
     if (!decoded) throw Refusal{fail(decoded.error().code, "GLB: " + decoded.error().message)};
 
-    const std::uint64_t indices = whole(member(primitive, "indices"));
-    const std::uint64_t index_type = whole(member(element("accessors", indices), "componentType"));
-    require(is_index_type(index_type), "indices of an unexpected type");
-    check_accessor(indices, "SCALAR", index_type, std::uint64_t{decoded->triangles.size()} * 3);
-
+    check_indices(primitive, *decoded);
     const json& ids = member(extension, "attributes");
     const json& attributes = member(primitive, "attributes");
     require(ids.is_object() && attributes.is_object() && ids.size() == attributes.size(), "attributes outside Draco");
@@ -311,6 +317,30 @@ DracoMesh Reader::read_compressed(const json& primitive, const json& extension) 
         decoded->attributes.erase(found);
     }
     require(result.attributes.size() == ids.size(), "an unknown attribute");
+    return result;
+}
+
+DracoMesh Reader::read_lean(const json& primitive, const json& extension) {
+    Result<LeanMesh> decoded =
+        decode_lean_mesh(take_view(whole(member(extension, "bufferView"))), vertices_left_, triangles_left_);
+    if (!decoded) throw Refusal{fail(decoded.error().code, "GLB: " + decoded.error().message)};
+    DracoMesh mesh = points_of(*std::move(decoded));
+    check_indices(primitive, mesh);
+    const json& attributes = member(primitive, "attributes");
+    require(attributes.is_object() && attributes.size() == mesh.attributes.size(), "attributes outside the lean mesh");
+    DracoMesh result = std::move(mesh);
+    auto found = std::exchange(result.attributes, {});
+    for (const AttributeKind& kind : attribute_kinds) {
+        const auto of_kind =
+            std::find_if(found.begin(), found.end(), [&](const auto& a) { return a.second.semantic == kind.semantic; });
+        if (of_kind == found.end()) continue;
+        const std::string type = "VEC" + std::to_string(kind.components);
+        check_accessor(whole(member(attributes, kind.name)), type.c_str(),
+                       static_cast<std::uint64_t>(kind.component_type), result.points);
+        require(result.attributes.emplace(static_cast<std::uint32_t>(kind.semantic), std::move(of_kind->second)).second,
+                "an attribute twice");
+    }
+    require(result.attributes.size() == attributes.size(), "an attribute twice");
     return result;
 }
 
@@ -383,7 +413,10 @@ DracoMesh Reader::read_geometry(const json& primitive) {
     require(whole_or(primitive, "mode", gltf_triangles) == gltf_triangles, "not triangles");
     const json* extensions = find(primitive, "extensions");
     const json* draco = extensions ? find(*extensions, draco_extension) : nullptr;
-    DracoMesh mesh = draco ? read_compressed(primitive, *draco) : read_plain(primitive);
+    const json* lean = extensions ? find(*extensions, lean_extension) : nullptr;
+    DracoMesh mesh = draco  ? read_compressed(primitive, *draco)
+                     : lean ? read_lean(primitive, *lean)
+                            : read_plain(primitive);
     vertices_left_ -= mesh.points;
     triangles_left_ -= mesh.triangles.size();
     return mesh;

@@ -244,7 +244,8 @@ class Document {
     }
 
     void set_extras(json extras) { root_["asset"]["extras"]["lodestream"] = std::move(extras); }
-    void add_primitive(const EncodedPrimitive& primitive, std::size_t material, const std::vector<std::byte>& lean);
+    void add_primitive(const EncodedPrimitive& primitive, std::size_t material,
+                       const std::vector<std::byte>& lean_shading);
     std::size_t add_material(const Material& material, const Group& group);
     Result<std::vector<std::byte>> finish();
     std::uint64_t texture_bytes() const { return texture_bytes_; }
@@ -269,7 +270,7 @@ class Document {
     std::map<int, std::size_t> images_;
     std::map<std::pair<mesh::Wrap, mesh::Wrap>, std::size_t> samplers_;
     std::map<std::tuple<int, mesh::Wrap, mesh::Wrap>, std::size_t> textures_;
-    bool uses_draco_ = false;
+    bool is_compressed_ = false;
 };
 
 std::size_t append_to(json& array, json element) {
@@ -347,9 +348,9 @@ const char* attribute_name(DracoAttribute::Semantic semantic) {
     }
 }
 
-// `lean`: its lean shading; empty: none.
+// `lean_shading` empty: none.
 void Document::add_primitive(const EncodedPrimitive& primitive, std::size_t material,
-                             const std::vector<std::byte>& lean) {
+                             const std::vector<std::byte>& lean_shading) {
     const bool compressed = !primitive.stream.empty();
     const DracoMesh& mesh = primitive.decoded;
     json result = {{"material", material}};
@@ -365,11 +366,13 @@ void Document::add_primitive(const EncodedPrimitive& primitive, std::size_t mate
         ids[name] = id;
     }
     if (compressed) {
-        const std::size_t view = add_view(primitive.stream.data(), primitive.stream.size());
-        result["extensions"][draco_extension] = {{"bufferView", view}, {"attributes", std::move(ids)}};
-        uses_draco_ = true;
+        json extension = {{"bufferView", add_view(primitive.stream.data(), primitive.stream.size())}};
+        if (!options_.lean) extension["attributes"] = std::move(ids);
+        result["extensions"][options_.lean ? lean_extension : draco_extension] = std::move(extension);
+        is_compressed_ = true;
     }
-    if (!lean.empty()) result["extras"]["lodestream"]["shading"] = add_view(lean.data(), lean.size());
+    if (!lean_shading.empty())
+        result["extras"]["lodestream"]["shading"] = add_view(lean_shading.data(), lean_shading.size());
     primitives_.push_back(std::move(result));
 }
 
@@ -471,7 +474,9 @@ Result<std::vector<std::byte>> Document::finish() {
     root_["scenes"] = json::array({{{"nodes", json::array({0})}}});
     root_["nodes"] = json::array({std::move(node)});
     root_["meshes"] = json::array({{{"primitives", std::move(primitives_)}}});
-    if (uses_draco_) root_["extensionsUsed"] = root_["extensionsRequired"] = json::array({draco_extension});
+    if (is_compressed_)
+        root_["extensionsUsed"] = root_["extensionsRequired"] =
+            json::array({options_.lean ? lean_extension : draco_extension});
     binary_.resize((binary_.size() + 3) / 4 * 4);
     root_["buffers"] = json::array({{{"byteLength", binary_.size()}}});
     return join_glb(root_, std::move(binary_));
@@ -512,10 +517,11 @@ std::vector<Vec3f> decoded_positions(const DracoMesh& mesh) {
 }
 
 // Empty where all is flat, which is what a primitive without normals says by itself.
-std::vector<std::byte> lean_shading(const Part& part, const Channel& normal, const DracoMesh& decoded,
+std::vector<std::byte> lean_shading(const Part& part, const Channel& normal, const EncodedPrimitive& primitive,
                                     double tolerance_degrees) {
     if (part.gouraud == 0) return {};
-    const std::vector<std::uint32_t> sources = source_corners(part.triangles, part.channels, decoded);
+    const DracoMesh& decoded = primitive.decoded;
+    const std::vector<std::uint32_t>& sources = primitive.source_corners;
     WantedShading wanted;
     KeyTable used(1);  // of the level's normals
     for (std::size_t c = 0; c < sources.size(); ++c) {
@@ -622,11 +628,12 @@ Result<Encoded> encode(const Model& model, const Mesh& level, std::span<const st
         for (const Group& group : groups)
             materials[&group] = document.add_material(model.materials[group.material], group);
         for (const Part& part : parts_of(groups, *channels, options.lean)) {
-            Result<EncodedPrimitive> primitive = encode_primitive(part.triangles, part.channels);
+            Result<EncodedPrimitive> primitive = options.lean ? encode_lean_primitive(part.triangles, part.channels)
+                                                              : encode_primitive(part.triangles, part.channels);
             if (!primitive) return primitive.error();
             std::vector<std::byte> lean;
             if (options.lean && channels->normal)
-                lean = lean_shading(part, *channels->normal, primitive->decoded,
+                lean = lean_shading(part, *channels->normal, *primitive,
                                     std::max(options.normal_tolerance_degrees, least_lean_tolerance_degrees));
             document.add_primitive(*primitive, materials[part.group], lean);
             result.triangles += primitive->decoded.triangles.size();

@@ -365,26 +365,6 @@ bool decodes_to(const DecodedPoints& expected, const DracoMesh& mesh, std::span<
            as_set(renumbered(expected, mesh, channels)) == as_set(expected.triangles);
 }
 
-// Corners 3 * t + k, those of a triangle from its least point on, triangles in the order of as_set().
-std::vector<mesh::Triangle> sorted_corners(const std::vector<mesh::Triangle>& triangles) {
-    std::vector<std::pair<mesh::Triangle, mesh::Triangle>> found;
-    found.reserve(triangles.size());
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-        const mesh::Triangle least = rotated_to_least(triangles[t]);
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            const std::uint32_t next = (k + 1) % 3, last = (k + 2) % 3;
-            if (mesh::Triangle{triangles[t][k], triangles[t][next], triangles[t][last]} != least) continue;
-            found.emplace_back(least, mesh::Triangle{3 * t + k, 3 * t + next, 3 * t + last});
-            break;
-        }
-    }
-    std::sort(found.begin(), found.end());
-    std::vector<mesh::Triangle> result;
-    result.reserve(found.size());
-    for (const auto& [triangle, corners] : found) result.push_back(corners);
-    return result;
-}
-
 DracoMesh plain_mesh(const DecodedPoints& expected, std::span<const Channel* const> channels) {
     DracoMesh result;
     result.points = expected.points.size();
@@ -399,6 +379,81 @@ DracoMesh plain_mesh(const DecodedPoints& expected, std::span<const Channel* con
                 attribute.values.push_back(channels[c]->decoded_value(expected.points.key(p)[c], k));
     }
     return result;
+}
+
+LeanGrid lean_grid(const Channel& channel) {
+    LeanGrid grid;
+    for (std::size_t axis = 0; axis < 3; ++axis) grid.origin[axis] = channel.origin[static_cast<int>(axis)];
+    grid.step = channel.range / largest_code(channel.bits);
+    return grid;
+}
+
+// Values as whole numbers: grid steps, or bytes.
+std::vector<std::int32_t> whole_numbers(const Channel& channel) {
+    std::vector<std::int32_t> numbers;
+    numbers.reserve(channel.codes.size());
+    const GridRecord stand_in = stand_in_grid(channel);
+    for (std::size_t i = 0; i < channel.codes.size(); ++i)
+        numbers.push_back(static_cast<std::int32_t>(
+            std::lround(channel.bits == 0 ? channel.codes[i] * 255.0f
+                                          : channel.codes[i] - stand_in.origin[i % channel.components])));
+    return numbers;
+}
+
+LeanMesh lean_mesh(const LocalMesh& local, std::span<const Channel* const> channels) {
+    LeanMesh result;
+    result.grid = lean_grid(*channels[0]);
+    result.triangles = local.triangles;
+    const std::vector<std::int32_t> steps = whole_numbers(*channels[0]);
+    KeyTable used(1);
+    for (std::uint32_t p = 0; p < local.points.size(); ++p) {
+        const std::uint32_t value = local.points.key(p)[0];
+        result.position_of_point.push_back(used.find_or_add(&value));
+        if (used.size() == result.positions.size()) continue;
+        const std::int32_t* at = &steps[3 * std::size_t{value}];
+        result.positions.push_back({at[0], at[1], at[2]});
+    }
+    for (std::size_t c = 1; c < channels.size(); ++c) {
+        const bool is_color = channels[c]->semantic == Semantic::color;
+        LeanAttribute& attribute = result.attributes.emplace_back();
+        attribute.kind = is_color ? LeanAttribute::Kind::color : LeanAttribute::Kind::texture_coordinate;
+        if (!is_color) attribute.grid = lean_grid(*channels[c]);
+        const std::vector<std::int32_t> numbers = whole_numbers(*channels[c]);
+        for (std::uint32_t p = 0; p < local.points.size(); ++p) {
+            const auto first =
+                numbers.begin() + static_cast<std::ptrdiff_t>(attribute.components() * local.points.key(p)[c]);
+            attribute.values.insert(attribute.values.end(), first,
+                                    first + static_cast<std::ptrdiff_t>(attribute.components()));
+        }
+    }
+    return result;
+}
+
+auto has_three_positions(const LeanMesh& mesh) {
+    return [&mesh](const mesh::Triangle& t) {
+        const std::uint32_t a = mesh.position_of_point[t[0]], b = mesh.position_of_point[t[1]],
+                            c = mesh.position_of_point[t[2]];
+        return a != b && b != c && c != a;
+    };
+}
+
+// Whether every corner has the decoded values of the one that it was.
+bool has_values(const DracoMesh& mesh, const std::vector<std::uint32_t>& source_corners, const LocalMesh& local,
+                std::span<const Channel* const> channels) {
+    if (mesh.triangles.size() != local.triangles.size() || mesh.attributes.size() != channels.size()) return false;
+    for (std::size_t corner = 0; corner < source_corners.size(); ++corner) {
+        const std::uint32_t source = source_corners[corner];
+        const std::uint32_t* key = local.points.key(local.triangles[source / 3][source % 3]);
+        const std::size_t point = mesh.triangles[corner / 3][corner % 3];
+        for (std::size_t c = 0; c < channels.size(); ++c) {
+            const int components = channels[c]->components;
+            const float* value = &mesh.attributes.at(static_cast<std::uint32_t>(c)).values[point * components];
+            const std::uint32_t decoded = channels[c]->decoded_of_value[key[c]];
+            for (int k = 0; k < components; ++k)
+                if (value[k] != channels[c]->decoded_value(decoded, k)) return false;
+        }
+    }
+    return true;
 }
 
 }  // namespace
@@ -482,14 +537,58 @@ Result<EncodedPrimitive> encode_primitive(std::span<const mesh::Triangle> triang
     return EncodedPrimitive{{}, plain_mesh(expected, channels)};
 }
 
-std::vector<std::uint32_t> source_corners(std::span<const mesh::Triangle> triangles,
-                                          std::span<const Channel* const> channels, const DracoMesh& decoded) {
-    const DecodedPoints expected = expected_points(local_mesh(triangles, channels), channels);
-    const std::vector<mesh::Triangle> from = sorted_corners(expected.triangles);
-    const std::vector<mesh::Triangle> to = sorted_corners(renumbered(expected, decoded, channels));
-    std::vector<std::uint32_t> result(3 * triangles.size());
-    for (std::size_t t = 0; t < to.size(); ++t)
-        for (std::size_t k = 0; k < 3; ++k) result[to[t][k]] = from[t][k];
+Result<EncodedPrimitive> encode_lean_primitive(std::span<const mesh::Triangle> triangles,
+                                               std::span<const Channel* const> channels) {
+    const LocalMesh local = local_mesh(triangles, channels);
+    const LeanMesh source = lean_mesh(local, channels);
+    EncodedPrimitive result;
+    if (!std::all_of(source.triangles.begin(), source.triangles.end(), has_three_positions(source))) {
+        result.decoded = plain_mesh(expected_points(local, channels), channels);
+        result.source_corners.resize(3 * triangles.size());
+        std::iota(result.source_corners.begin(), result.source_corners.end(), 0u);
+        return result;
+    }
+    EncodedLeanMesh encoded = encode_lean_mesh(source);
+    Result<LeanMesh> decoded = decode_lean_mesh(encoded.bytes, max_decoded_vertices, max_decoded_triangles);
+    if (!decoded) return decoded.error();
+    result.stream = std::move(encoded.bytes);
+    result.source_corners = std::move(encoded.source_corners);
+    result.decoded = points_of(*std::move(decoded));
+    if (!has_values(result.decoded, result.source_corners, local, channels))
+        return fail(ErrorCode::internal, "encode: a lean stream does not decode to what was encoded");
+    return result;
+}
+
+DracoMesh points_of(LeanMesh mesh) {
+    DracoMesh result;
+    result.points = static_cast<std::uint32_t>(mesh.position_of_point.size());
+    result.triangles = std::move(mesh.triangles);
+    DracoAttribute& positions = result.attributes[0];
+    positions.semantic = Semantic::position;
+    positions.components = 3;
+    positions.values.resize(3 * std::size_t{result.points});
+    float* value = positions.values.data();
+    for (const std::uint32_t position : mesh.position_of_point)
+        for (std::size_t axis = 0; axis < 3; ++axis) *value++ = mesh.grid.value(mesh.positions[position][axis], axis);
+    for (const LeanAttribute& source : mesh.attributes) {
+        DracoAttribute& attribute = result.attributes[static_cast<std::uint32_t>(result.attributes.size())];
+        attribute.semantic = source.kind == LeanAttribute::Kind::color ? Semantic::color : Semantic::texture_coordinate;
+        attribute.components = static_cast<int>(source.components());
+        attribute.normalized = source.kind == LeanAttribute::Kind::color;
+        attribute.values.reserve(source.values.size());
+        for (std::size_t i = 0; i < source.values.size(); ++i)
+            attribute.values.push_back(attribute.normalized
+                                           ? static_cast<float>(source.values[i] / 255.0)
+                                           : source.grid.value(source.values[i], i % source.components()));
+    }
+    if (result.points == mesh.positions.size()) return result;
+    constexpr std::uint32_t none = 0xffffffffu;
+    std::vector<std::uint32_t> first(mesh.positions.size(), none);
+    result.first_at_position.reserve(result.points);
+    for (std::uint32_t p = 0; p < result.points; ++p) {
+        std::uint32_t& of_position = first[mesh.position_of_point[p]];
+        result.first_at_position.push_back(of_position = std::min(of_position, p));
+    }
     return result;
 }
 

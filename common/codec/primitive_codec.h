@@ -9,6 +9,7 @@
 #include "common/base/result.h"
 #include "common/codec/draco_mesh.h"
 #include "common/codec/key_table.h"
+#include "common/codec/lean_mesh.h"
 #include "common/codec/level_codec.h"
 
 namespace lodestream::codec {
@@ -42,18 +43,21 @@ Result<Channel> texture_coordinate_channel(const std::vector<Vec2f>& coordinates
 Result<Channel> color_channel(const std::vector<Rgba8>& colors);
 
 struct EncodedPrimitive {
-    std::vector<std::byte> stream;  // empty: Draco could not keep every triangle, `decoded` is to be stored plainly
+    std::vector<std::byte> stream;  // empty: it could not keep every triangle, `decoded` is to be stored plainly
     DracoMesh decoded;              // what a decoder yields; attribute ids are the channels' places
+    // Lean only: of every corner 3 * t + k of `decoded`, the corner 3 * s + j that it was among the triangles given.
+    std::vector<std::uint32_t> source_corners{};
 };
 
 // `triangles` index the level's vertices; the first of `channels` is the position.
 Result<EncodedPrimitive> encode_primitive(std::span<const mesh::Triangle> triangles,
                                           std::span<const Channel* const> channels);
+// Likewise to a stream of lean_mesh.h. None of the channels are normals.
+Result<EncodedPrimitive> encode_lean_primitive(std::span<const mesh::Triangle> triangles,
+                                               std::span<const Channel* const> channels);
 
-// Of every corner 3 * t + k of `decoded`, which encode_primitive made of the same triangles and channels, the corner
-// 3 * s + j that it was among `triangles`. Of triangles that decode alike any may stand for any.
-std::vector<std::uint32_t> source_corners(std::span<const mesh::Triangle> triangles,
-                                          std::span<const Channel* const> channels, const DracoMesh& decoded);
+// What a decoder makes of a lean stream's mesh; attribute ids are those of encode_lean_primitive.
+DracoMesh points_of(LeanMesh mesh);
 
 // Bytes of the Draco stream alone.
 std::uint64_t measure_primitive(std::span<const mesh::Triangle> triangles, std::span<const Channel* const> channels);

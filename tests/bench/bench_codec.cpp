@@ -65,7 +65,7 @@ struct Row {
 std::vector<std::span<const std::byte>> streams_of(const codec::Glb& glb) {
     std::vector<std::span<const std::byte>> streams;
     for (const auto& primitive : glb.json.at("meshes").at(0).at("primitives")) {
-        if (!primitive.contains("extensions")) continue;
+        if (!primitive.contains("extensions") || !primitive["extensions"].contains(codec::draco_extension)) continue;
         const auto& view = glb.json.at("bufferViews")
                                .at(primitive["extensions"][codec::draco_extension]["bufferView"].get<std::size_t>());
         streams.push_back(glb.binary.subspan(view.value("byteOffset", std::size_t{0}), view.at("byteLength")));

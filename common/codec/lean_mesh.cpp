@@ -1,0 +1,898 @@
+#include "common/codec/lean_mesh.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "common/codec/adaptive_coder.h"
+
+namespace lodestream::codec {
+namespace {
+
+using Wide = std::array<std::int64_t, 3>;
+
+constexpr std::uint32_t none = 0xffffffffu;
+// A triangle costs at least some decisions that are as sure as they can be: a thousandth of a bit each.
+constexpr std::uint64_t max_triangles_per_byte = 4096;
+// Points at one position that a corner is compared with.
+constexpr int max_compared_points = 64;
+constexpr std::uint64_t max_attributes = 2;
+
+GridPoint operator+(const GridPoint& a, const GridPoint& b) {
+    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+
+GridPoint operator-(const GridPoint& a, const GridPoint& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+std::int64_t dot(const GridPoint& a, const GridPoint& b) {
+    return std::int64_t{a[0]} * b[0] + std::int64_t{a[1]} * b[1] + std::int64_t{a[2]} * b[2];
+}
+
+Wide cross(const GridPoint& a, const GridPoint& b) {
+    const auto part = [&](std::size_t i, std::size_t k) {
+        return std::int64_t{a[i]} * b[k] - std::int64_t{a[k]} * b[i];
+    };
+    return {part(1, 2), part(2, 0), part(0, 1)};
+}
+
+std::int32_t largest(const GridPoint& p) {
+    return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+}
+
+int bits_of(std::int32_t value) {
+    return std::bit_width(static_cast<std::uint32_t>(std::abs(value)));
+}
+
+// The nearest whole number, within about limits that no coordinate leaves. One division and one rounding of doubles
+// are the same on every machine.
+std::int32_t rounded_ratio(std::int64_t a, std::int64_t b) {
+    constexpr double limit = 2.0 * max_lean_coordinate;
+    const double ratio = static_cast<double>(a) / static_cast<double>(b);
+    return static_cast<std::int32_t>(std::clamp(ratio, -limit, limit) + (limit + 0.5)) - 2 * max_lean_coordinate;
+}
+
+bool is_within(std::int64_t value) {
+    return value >= -max_lean_coordinate && value <= max_lean_coordinate;
+}
+
+// The angle of a border's corner, over which no triangle is known yet, as a context.
+namespace angle {
+constexpr std::uint8_t widest = 0, sharpest = 7;  // above 120 degrees, below about 28
+constexpr std::uint8_t least_urgent = 1;          // below 120
+constexpr std::uint8_t reflex = 8;
+constexpr std::size_t count = 9;
+constexpr std::uint8_t unknown = 0xff;
+}  // namespace angle
+
+// What a corner between edges e and f is, f reflex where it turns to the other side than the known triangle's third
+// corner lies on.
+std::uint8_t angle_between(const GridPoint& e, const GridPoint& f, const GridPoint& third) {
+    const Wide known = cross(third, e), missing = cross(e, f);
+    double turn = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) turn += static_cast<double>(known[i]) * static_cast<double>(missing[i]);
+    if (turn < 0.0) return angle::reflex;
+    const auto product = static_cast<double>(dot(e, f));
+    const double square = product * product;
+    const double lengths = static_cast<double>(dot(e, e)) * static_cast<double>(dot(f, f));
+    if (product <= 0.0) return square > 0.25 * lengths ? angle::widest : 1;
+    constexpr std::array square_cosines{0.0625, 0.25, 0.4125, 0.6, 0.78125};
+    std::uint8_t result = 2;
+    for (const double limit : square_cosines) result += square >= limit * lengths ? 1 : 0;
+    return result;
+}
+
+// What the encoder alone knows: the mesh, what of it has been told, and under which numbers.
+class Source {
+  public:
+    explicit Source(const LeanMesh& mesh)
+        : mesh_(mesh),
+          is_told_(mesh.triangles.size(), 0),
+          position_numbers_(mesh.positions.size(), none),
+          point_numbers_(mesh.position_of_point.size(), none),
+          first_(mesh.positions.size() + 1, 0) {
+        for (std::uint32_t c = 0; c < corners(); ++c) ++first_[position(c) + 1];
+        std::partial_sum(first_.begin(), first_.end(), first_.begin());
+        edges_.resize(corners());
+        std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+        for (std::uint32_t c = 0; c < corners(); ++c) edges_[next[position(c)]++] = {position(following(c)), c, 0};
+        for (std::size_t p = 0; p < mesh.positions.size(); ++p)
+            std::sort(edges_.begin() + first_[p], edges_.begin() + first_[p + 1], [](const Edge& a, const Edge& b) {
+                return std::pair(a.to, a.corner) < std::pair(b.to, b.corner);
+            });
+    }
+
+    static std::uint32_t following(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+
+    // The first corner of a triangle that has not been told.
+    std::uint32_t first_untold() {
+        while (is_told_[next_]) ++next_;
+        return 3 * next_;
+    }
+    // The corner across from the edge from one position to another, of a triangle that has not been told; none if there
+    // is no such triangle.
+    std::uint32_t across(std::uint32_t from_number, std::uint32_t to_number) {
+        const std::uint32_t from = position_sources_[from_number], to = position_sources_[to_number];
+        const auto end = edges_.begin() + first_[from + 1];
+        const auto run = std::lower_bound(edges_.begin() + first_[from], end, to,
+                                          [](const Edge& e, std::uint32_t value) { return e.to < value; });
+        if (run == end || run->to != to) return none;
+        // Those that have been told are passed once and for all.
+        auto edge = run + run->told;
+        while (edge != end && edge->to == to && is_told_[edge->corner / 3]) ++edge;
+        run->told = static_cast<std::uint32_t>(edge - run);
+        return edge != end && edge->to == to ? following(following(edge->corner)) : none;
+    }
+    void tell(std::uint32_t corner) { is_told_[corner / 3] = 1; }
+
+    const GridPoint& place(std::uint32_t corner) const { return mesh_.positions[position(corner)]; }
+    std::int32_t value(std::size_t attribute, std::uint32_t corner, std::size_t component) const {
+        const LeanAttribute& from = mesh_.attributes[attribute];
+        return from.values[point(corner) * from.components() + component];
+    }
+    std::uint32_t position_number(std::uint32_t corner) const { return position_numbers_[position(corner)]; }
+    std::uint32_t point_number(std::uint32_t corner) const { return point_numbers_[point(corner)]; }
+    void number_position(std::uint32_t corner, std::uint32_t number) {
+        position_numbers_[position(corner)] = number;
+        position_sources_.push_back(position(corner));
+    }
+    void number_point(std::uint32_t corner, std::uint32_t number) { point_numbers_[point(corner)] = number; }
+
+    std::vector<std::uint32_t> told_corners;
+
+  private:
+    struct Edge {
+        std::uint32_t to, corner, told;  // told: of the first edge of a run, how many of it
+    };
+
+    std::uint32_t corners() const { return static_cast<std::uint32_t>(3 * mesh_.triangles.size()); }
+    std::uint32_t point(std::uint32_t corner) const { return mesh_.triangles[corner / 3][corner % 3]; }
+    std::uint32_t position(std::uint32_t corner) const { return mesh_.position_of_point[point(corner)]; }
+
+    const LeanMesh& mesh_;
+    std::vector<std::uint8_t> is_told_;
+    std::uint32_t next_ = 0;
+    std::vector<std::uint32_t> position_numbers_, point_numbers_, position_sources_;
+    std::vector<std::uint32_t> first_;
+    std::vector<Edge> edges_;  // of each position those that leave it
+};
+
+// Thrown and caught in this file only.
+struct Damaged {};
+struct TooMany {};
+
+// Positions, from what is known around them.
+template <class Coder>
+class PositionCoder {
+  public:
+    explicit PositionCoder(Coder& coder) : coder_(coder) {}
+
+    // A corner of the border at one end of the edge that a position is told over, where its neighbour along the border
+    // is known.
+    struct Side {
+        std::uint8_t angle = angle::unknown;
+        GridPoint neighbour{};
+    };
+
+    // `triangle`: the two ends of the edge and the corner across of it. `bend`: about how many bits its corners were
+    // off the planes; is set to what the new one is.
+    GridPoint code(const GridPoint& wanted, const std::array<GridPoint, 3>& triangle, const std::array<Side, 2>& sides,
+                   int& bend) {
+        const auto& [a, b, c] = triangle;
+        const GridPoint one = a + b - c, several = mean_parallelogram(triangle, sides);
+        const GridPoint expected = clamped(off_[0] <= off_[1] ? one : several);
+        const Wide normal = small(cross(b - a, c - a));
+        const std::array<std::size_t, 3> axis = axes(normal);
+        const int size = std::min(bits_of(largest(b - a)), largest_size);
+        const int shape =
+            std::clamp(bits_of(std::min(largest(c - a) + largest(c - b), max_lean_coordinate)) - size + 1, 0, 3);
+        const GridPoint off = wanted - expected;
+
+        GridPoint result{};
+        std::int32_t& u = result[axis[0]];
+        std::int32_t& v = result[axis[1]];
+        u = first_[index(size)][index(shape)].code(coder_, off[axis[0]]);
+        v = second_[index(size)][index(std::clamp(bits_of(u) - size + 5, 0, 7))].code(coder_, off[axis[1]]);
+        const std::int64_t upright = normal[axis[2]];
+        const std::int32_t on_plane =
+            upright == 0 ? 0 : rounded_ratio(-(normal[axis[0]] * u + normal[axis[1]] * v), upright);
+        const int reach = std::clamp(std::max(bits_of(u), bits_of(v)) - size + 4, 0, 7);
+        const std::int32_t height =
+            heights_[index(std::min(bend, largest_size))][index(reach)].code(coder_, off[axis[2]] - on_plane);
+        result[axis[2]] = height + on_plane;
+        result = result + expected;
+        learn(result, one, several);
+        bend = bits_of(height);
+        return result;
+    }
+
+    // The corners of a first triangle, each from the one before.
+    GridPoint code_first(const GridPoint& wanted, const GridPoint& before, std::size_t corner) {
+        GridPoint result = before;
+        std::size_t equal = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::int32_t off = first_triangles_[corner][k][equal].code(coder_, wanted[k] - before[k]);
+            equal += off == 0 ? 1 : 0;
+            result[k] += off;
+        }
+        return result;
+    }
+
+  private:
+    static constexpr int largest_size = 19;
+    static GridPoint clamped(GridPoint p) {
+        for (std::int32_t& x : p) x = std::clamp(x, -max_lean_coordinate, max_lean_coordinate);
+        return p;
+    }
+    static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+    // The parallelogram over the last triangle, and those that the neighbours along the border span.
+    static GridPoint mean_parallelogram(const std::array<GridPoint, 3>& triangle, const std::array<Side, 2>& sides) {
+        constexpr int own_weight = 16;
+        constexpr std::array<int, angle::count> weights{8, 16, 12, 8, 4, 4, 0, 0, 0};
+        const GridPoint one = triangle[0] + triangle[1] - triangle[2];
+        Wide sum{};
+        int total = own_weight;
+        for (std::size_t k = 0; k < 3; ++k) sum[k] = std::int64_t{own_weight} * one[k];
+        for (std::size_t s = 0; s < 2; ++s) {
+            if (sides[s].angle >= weights.size()) continue;
+            const int weight = weights[sides[s].angle];
+            const GridPoint at = triangle[1 - s] + sides[s].neighbour - triangle[s];
+            for (std::size_t k = 0; k < 3; ++k) sum[k] += std::int64_t{weight} * at[k];
+            total += weight;
+        }
+        GridPoint mean{};
+        for (std::size_t k = 0; k < 3; ++k) mean[k] = rounded_ratio(sum[k], total);
+        return mean;
+    }
+
+    // Of a length that leaves room for products.
+    static Wide small(Wide normal) {
+        constexpr std::int64_t limit = 1 << 20;
+        const std::int64_t size = std::max({std::abs(normal[0]), std::abs(normal[1]), std::abs(normal[2])});
+        const int shift = std::bit_width(static_cast<std::uint64_t>(size / limit));
+        for (std::int64_t& n : normal) n >>= shift;
+        return normal;
+    }
+
+    // The one that is steepest to the plane last.
+    static std::array<std::size_t, 3> axes(const Wide& normal) {
+        std::size_t last = 0;
+        for (std::size_t k = 1; k < 3; ++k)
+            if (std::abs(normal[k]) > std::abs(normal[last])) last = k;
+        return {(last + 1) % 3, (last + 2) % 3, last};
+    }
+
+    // Which expectation has been the better one of late.
+    void learn(const GridPoint& result, const GridPoint& one, const GridPoint& several) {
+        constexpr int memory = 32, unit = 256;
+        const auto bits_off = [&](const GridPoint& expected) {
+            const GridPoint off = result - expected;
+            return unit * std::bit_width(std::uint64_t{0} + static_cast<std::uint32_t>(std::abs(off[0])) +
+                                         static_cast<std::uint32_t>(std::abs(off[1])) +
+                                         static_cast<std::uint32_t>(std::abs(off[2])));
+        };
+        off_[0] += bits_off(one) - off_[0] / memory;
+        off_[1] += bits_off(several) - off_[1] / memory;
+    }
+
+    Coder& coder_;
+    std::array<std::int64_t, 2> off_{};
+    std::array<std::array<NumberModel, 4>, largest_size + 1> first_;
+    std::array<std::array<NumberModel, 8>, largest_size + 1> second_, heights_;
+    std::array<std::array<std::array<NumberModel, 3>, 3>, 3> first_triangles_;
+};
+
+// Tells a mesh, or hears it: the same walk over its surface, whatever the coder's direction is.
+template <class Coder>
+class Walk {
+  public:
+    // `source`: of an encoder.
+    Walk(Coder& coder, LeanMesh& mesh, Source* source)
+        : coder_(coder), source_(source), mesh_(mesh), position_coder_(coder) {}
+
+    void run(std::uint32_t triangles, std::uint64_t max_points) {
+        max_points_ = max_points;
+        mesh_.triangles.reserve(triangles);
+        const std::size_t about = triangles / 2 + 16;
+        mesh_.positions.reserve(about);
+        states_.reserve(about);
+        mesh_.position_of_point.reserve(about);
+        for (LeanAttribute& attribute : mesh_.attributes) attribute.values.reserve(about * attribute.components());
+        while (mesh_.triangles.size() < triangles) {
+            if (const std::uint32_t gate = next_gate(); gate != none)
+                pass(gate);
+            else
+                start();
+        }
+    }
+
+  private:
+    // An edge of the border, triangle on one side of it. Gates lie in rings: each begins where the one before ends.
+    struct Gate {
+        std::array<std::uint32_t, 3> positions;  // its ends and the triangle's third corner
+        std::array<std::uint32_t, 3> points;     // of that triangle
+        std::uint32_t before, after;
+        std::uint8_t angle;   // of the corner where it begins
+        bool is_open = true;  // until it is known that nothing is beyond it
+        bool is_used = true;
+    };
+
+    struct PositionState {
+        std::uint32_t gate = none;        // the last one that began here
+        std::uint32_t last_point = none;  // at this position
+        std::uint8_t triangles = 0;       // around it, 255 at most
+        std::uint8_t bend = 0;            // bits that it was off the plane before it
+    };
+
+    // ---- what is told ----
+
+    void start() {
+        const std::uint32_t corner = ask([&] { return source_->first_untold(); });
+        std::array<std::uint32_t, 3> positions{}, points{};
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t known = ask([&] { return source_->position_number(corner + k); });
+            if (!mesh_.positions.empty() && coder_.decide(is_known_[k], known != none)) {
+                positions[k] = code_recent(known_first_, known);
+                points[k] = code_point(positions[k], states_[positions[k]].last_point, corner + k, {none, none, none});
+            } else {
+                const GridPoint before = k > 0 ? mesh_.positions[positions[k - 1]] : last_start_;
+                const GridPoint place =
+                    position_coder_.code_first(ask([&] { return source_->place(corner + k); }), before, k);
+                positions[k] = add_position(place, bits_of(std::min(largest(place - before), max_lean_coordinate)) / 2,
+                                            corner + k);
+                points[k] = add_point(positions[k], corner + k, {none, none, none});
+            }
+        }
+        last_start_ = mesh_.positions[positions[0]];
+        if (positions[0] == positions[1] || positions[1] == positions[2] || positions[2] == positions[0])
+            throw Damaged{};
+        add_triangle(points, positions, corner);
+        std::array<std::uint32_t, 3> gates{};
+        for (std::size_t k = 0; k < 3; ++k) gates[k] = add_gate(rotated(positions, k), rotated(points, k));
+        for (std::size_t k = 0; k < 3; ++k) link(gates[k], gates[(k + 1) % 3]);
+        for (const std::uint32_t gate : gates) measure(gate);
+        for (const std::uint32_t gate : gates) enqueue(gate);
+    }
+
+    // Tells what is beyond a gate.
+    void pass(std::uint32_t number) {
+        const Gate gate = gates_[number];
+        const Sides sides = sides_of(number);
+        const std::uint32_t corner = ask([&] { return source_->across(gate.positions[1], gate.positions[0]); });
+        const std::uint32_t known = ask([&] { return corner == none ? none : source_->position_number(corner); });
+
+        const int side = code_side(gate, sides, corner == none ? none : known);
+        if (side < 0 &&
+            !coder_.decide(
+                goes_on_[border_context(gate.before, sides.known[0])][border_context(gate.after, sides.known[1])],
+                corner != none)) {
+            gates_[number].is_open = false;
+            return;
+        }
+        std::uint32_t third = none;
+        bool is_new = false;
+        if (side >= 0) {
+            third = sides.neighbour[static_cast<std::size_t>(side)];
+        } else if (is_new = coder_.decide(is_new_, known == none); !is_new) {
+            third = code_recent(known_later_, known);
+            if (third == gate.positions[0] || third == gate.positions[1]) throw Damaged{};
+        } else {
+            third = code_new(gate, sides, corner);
+        }
+        const std::array<std::uint32_t, 3> points = code_points(gate, side, third, is_new, corner);
+        add_triangle({points[1], points[0], points[2]}, {gate.positions[1], gate.positions[0], third},
+                     corner == none ? none : Source::following(corner));
+        if (side == 0)
+            close_before(number, gate, third, points);
+        else if (side == 1)
+            close_after(number, gate, third, points);
+        else
+            open(number, gate, third, points, is_new);
+    }
+
+    // The border's next corners on either side of a gate, which a triangle may close.
+    struct Sides {
+        std::array<bool, 2> known{};
+        std::array<std::uint32_t, 2> neighbour{none, none};  // position at the other end of the next gate
+        std::array<std::uint8_t, 2> angle{angle::unknown, angle::unknown};
+    };
+
+    Sides sides_of(std::uint32_t number) const {
+        const Gate& gate = gates_[number];
+        const Gate& before = gates_[gate.before];
+        const Gate& after = gates_[gate.after];
+        Sides sides;
+        const auto set = [&](std::size_t s, bool is_open, std::uint32_t neighbour, std::uint8_t angle) {
+            if (!is_open || neighbour == gate.positions[1 - s] || angle == angle::unknown) return;
+            sides.known[s] = true;
+            sides.neighbour[s] = neighbour;
+            sides.angle[s] = angle;
+        };
+        set(0, before.is_open && gate.before != number, before.positions[0], gate.angle);
+        set(1, after.is_open && gate.after != number, after.positions[1], after.angle);
+        return sides;
+    }
+
+    // 0, 1: the triangle beyond has the neighbour on this side for its third corner; -1: it has not.
+    int code_side(const Gate& gate, const Sides& sides, std::uint32_t third) {
+        const auto sharpness = [&](std::size_t s) {
+            return !sides.known[s] ? -2 : sides.angle[s] == angle::reflex ? -1 : int{sides.angle[s]};
+        };
+        const std::size_t sharper = sharpness(1) >= sharpness(0) ? 1 : 0;
+        for (const std::size_t s : {sharper, 1 - sharper}) {
+            if (!sides.known[s]) continue;
+            const int other = sharpness(1 - s);
+            const std::size_t context = other < 0 ? 0 : other < 4 ? 1 : 2;
+            const auto around = static_cast<std::size_t>(std::clamp(states_[gate.positions[s]].triangles - 3, 0, 3));
+            Decision& decision = closes_[s == sharper ? 0 : 1][sides.angle[s]][context][around];
+            if (coder_.decide(decision, third == sides.neighbour[s])) return static_cast<int>(s);
+        }
+        return -1;
+    }
+
+    std::size_t border_context(std::uint32_t neighbour, bool is_known) const {
+        return is_known ? 0 : gates_[neighbour].is_open ? 2 : 1;
+    }
+
+    // A position that was told before, by how long ago.
+    std::uint32_t code_recent(NumberModel& model, std::uint32_t known) {
+        const auto count = static_cast<std::int64_t>(mesh_.positions.size());
+        const std::int32_t ago = model.code(coder_, static_cast<std::int32_t>(count - 1 - known));
+        if (ago < 0 || ago >= count) throw Damaged{};
+        return static_cast<std::uint32_t>(count - 1 - ago);
+    }
+
+    std::uint32_t code_new(const Gate& gate, const Sides& sides, std::uint32_t corner) {
+        std::array<GridPoint, 3> triangle{};
+        int bend = 1;
+        for (std::size_t k = 0; k < 3; ++k) {
+            triangle[k] = mesh_.positions[gate.positions[k]];
+            bend += states_[gate.positions[k]].bend;
+        }
+        bend /= 3;
+        std::array<typename PositionCoder<Coder>::Side, 2> known{};
+        for (std::size_t s = 0; s < 2; ++s)
+            if (sides.known[s]) known[s] = {sides.angle[s], mesh_.positions[sides.neighbour[s]]};
+        const GridPoint place =
+            position_coder_.code(ask([&] { return source_->place(corner); }), triangle, known, bend);
+        return add_position(place, bend, corner);
+    }
+
+    // The points of the triangle beyond a gate: at the gate's ends and at its third corner.
+    std::array<std::uint32_t, 3> code_points(const Gate& gate, int side, std::uint32_t third, bool is_new,
+                                             std::uint32_t corner) {
+        std::array<std::uint32_t, 3> points{gate.points[0], gate.points[1], states_[third].last_point};
+        if (mesh_.attributes.empty()) {
+            if (is_new) points[2] = add_point(third, corner, {none, none, none});
+            return points;
+        }
+        const std::array<std::uint32_t, 2> ends{corner == none ? none : Source::following(Source::following(corner)),
+                                                corner == none ? none : Source::following(corner)};
+        // The triangle is (second end, first end, third), and its third corner comes last.
+        for (const std::size_t k : {1, 0})
+            points[k] = code_point(gate.positions[k], gate.points[k], k == 0 ? ends[0] : ends[1], {none, none, none});
+        const bool is_smooth = points[0] == gate.points[0] && points[1] == gate.points[1];
+        const std::array<std::uint32_t, 3> from{points[0], points[1], is_smooth ? gate.points[2] : none};
+        if (is_new)
+            points[2] = add_point(third, corner, from);
+        else
+            points[2] = code_point(third, expected_third(gate, side, third), corner, from);
+        return points;
+    }
+
+    std::uint32_t expected_third(const Gate& gate, int side, std::uint32_t third) const {
+        if (side == 0) return gates_[gate.before].points[0];
+        if (side == 1) return gates_[gate.after].points[1];
+        return states_[third].last_point;
+    }
+
+    // One at a position that has some. `from`: the points of the edge across of it, and the point on its other side.
+    std::uint32_t code_point(std::uint32_t position, std::uint32_t expected, std::uint32_t corner,
+                             const std::array<std::uint32_t, 3>& from) {
+        if (mesh_.attributes.empty()) return states_[position].last_point;
+        const std::uint32_t wanted = ask([&] { return source_->point_number(corner); });
+        if (coder_.decide(is_expected_, wanted == expected)) return expected;
+        std::uint32_t point = states_[position].last_point;
+        for (int i = 0; i < max_compared_points && point != none; ++i, point = earlier_points_[point])
+            if (point != expected && coder_.decide(is_this_, wanted == point)) return point;
+        return add_point(position, corner, from);
+    }
+
+    void code_values(std::uint32_t point, std::uint32_t corner, const std::array<std::uint32_t, 3>& from) {
+        for (std::size_t a = 0; a < mesh_.attributes.size(); ++a) {
+            LeanAttribute& attribute = mesh_.attributes[a];
+            std::array<std::int32_t, 4> expected{};
+            const bool is_inside = from[0] != none;
+            if (!is_inside)
+                expected = values_of(attribute, point == 0 ? none : point - 1);
+            else if (attribute.kind == LeanAttribute::Kind::texture_coordinate)
+                expected = expected_coordinate(attribute, point, from);
+            else
+                expected = expected_color(attribute, from);
+            std::int32_t off = 0;
+            for (std::size_t c = 0; c < attribute.components(); ++c) {
+                const auto context = static_cast<std::size_t>(std::min(bits_of(off), 5));
+                off = values_[a == 0 ? 0 : 1][c][is_inside ? (from[2] == none ? 1 : 0) : 2][context].code(
+                    coder_, ask([&] { return source_->value(a, corner, c); }) - expected[c]);
+                if (!is_within(expected[c] + off)) throw Damaged{};
+                attribute.values.push_back(expected[c] + off);
+            }
+        }
+    }
+
+    static std::array<std::int32_t, 4> values_of(const LeanAttribute& attribute, std::uint32_t point) {
+        std::array<std::int32_t, 4> result{};
+        if (point == none) return result;
+        for (std::size_t c = 0; c < attribute.components(); ++c)
+            result[c] = attribute.values[point * attribute.components() + c];
+        return result;
+    }
+
+    static std::array<std::int32_t, 4> expected_color(const LeanAttribute& attribute,
+                                                      const std::array<std::uint32_t, 3>& from) {
+        const auto a = values_of(attribute, from[0]), b = values_of(attribute, from[1]);
+        const auto c = values_of(attribute, from[2] == none ? from[0] : from[2]);
+        std::array<std::int32_t, 4> result{};
+        for (std::size_t k = 0; k < result.size(); ++k) result[k] = std::clamp(a[k] + b[k] - c[k], 0, 255);
+        return result;
+    }
+
+    // Where a triangle of the same shape has it on the image, on the other side of its edge than the last one.
+    std::array<std::int32_t, 4> expected_coordinate(const LeanAttribute& attribute, std::uint32_t point,
+                                                    const std::array<std::uint32_t, 3>& from) const {
+        const auto place = [&](std::uint32_t p) -> const GridPoint& {
+            return mesh_.positions[mesh_.position_of_point[p]];
+        };
+        const auto a = values_of(attribute, from[0]), b = values_of(attribute, from[1]);
+        const GridPoint edge = place(from[1]) - place(from[0]), to = place(point) - place(from[0]);
+        const auto square = static_cast<double>(dot(edge, edge));
+        if (square == 0.0) return b;
+        const double along = static_cast<double>(dot(edge, to)) / square;
+        const double x = b[0] - a[0], y = b[1] - a[1];
+        double across = 0.0;
+        if (from[2] != none) {
+            const auto c = values_of(attribute, from[2]);
+            const double side = x * (c[1] - a[1]) - y * (c[0] - a[0]);
+            const double distance = static_cast<double>(dot(to, to)) / square - along * along;
+            across = std::copysign(std::sqrt(std::max(distance, 0.0)), -side);
+        }
+        constexpr double limit = max_lean_coordinate;
+        const auto whole = [&](double value) {
+            return static_cast<std::int32_t>(std::lround(std::clamp(value, -limit, limit)));
+        };
+        return {whole(a[0] + along * x - across * y), whole(a[1] + along * y + across * x), 0, 0};
+    }
+
+    // ---- what is known ----
+
+    // What the encoder's source says; nothing in the decoder.
+    template <class Question>
+    auto ask(const Question& question) const {
+        if constexpr (Coder::decodes)
+            return decltype(question()){};
+        else
+            return question();
+    }
+
+    template <class Action>
+    void note(const Action& action) {
+        if constexpr (!Coder::decodes) action();
+    }
+
+    std::uint32_t add_position(const GridPoint& place, int bend, std::uint32_t corner) {
+        if (!is_within(place[0]) || !is_within(place[1]) || !is_within(place[2])) throw Damaged{};
+        const auto number = static_cast<std::uint32_t>(mesh_.positions.size());
+        mesh_.positions.push_back(place);
+        states_.push_back({none, none, 0, static_cast<std::uint8_t>(bend)});
+        note([&] { source_->number_position(corner, number); });
+        return number;
+    }
+
+    std::uint32_t add_point(std::uint32_t position, std::uint32_t corner, const std::array<std::uint32_t, 3>& from) {
+        const auto number = static_cast<std::uint32_t>(mesh_.position_of_point.size());
+        if (number >= max_points_) throw TooMany{};
+        mesh_.position_of_point.push_back(position);
+        if (!mesh_.attributes.empty()) {
+            earlier_points_.push_back(states_[position].last_point);
+            code_values(number, corner, from);
+        }
+        states_[position].last_point = number;
+        note([&] { source_->number_point(corner, number); });
+        return number;
+    }
+
+    void add_triangle(const std::array<std::uint32_t, 3>& points, const std::array<std::uint32_t, 3>& positions,
+                      std::uint32_t corner) {
+        mesh_.triangles.push_back(points);
+        for (const std::uint32_t p : positions) states_[p].triangles += states_[p].triangles < 255 ? 1 : 0;
+        note([&] {
+            source_->tell(corner);
+            for (std::uint32_t k = 0; k < 3; ++k, corner = Source::following(corner))
+                source_->told_corners.push_back(corner);
+        });
+    }
+
+    static std::array<std::uint32_t, 3> rotated(const std::array<std::uint32_t, 3>& of, std::size_t k) {
+        return {of[k], of[(k + 1) % 3], of[(k + 2) % 3]};
+    }
+
+    // ---- the border ----
+
+    std::uint32_t add_gate(const std::array<std::uint32_t, 3>& positions, const std::array<std::uint32_t, 3>& points) {
+        auto number = static_cast<std::uint32_t>(gates_.size());
+        if (released_.empty()) {
+            gates_.emplace_back();
+        } else {
+            number = released_.back();
+            released_.pop_back();
+        }
+        set_gate(number, positions, points);
+        return number;
+    }
+
+    void set_gate(std::uint32_t number, const std::array<std::uint32_t, 3>& positions,
+                  const std::array<std::uint32_t, 3>& points) {
+        Gate& gate = gates_[number];
+        gate.positions = positions;
+        gate.points = points;
+        gate.angle = angle::unknown;
+        gate.is_open = gate.is_used = true;
+        states_[positions[0]].gate = number;
+    }
+
+    void release(std::uint32_t number) {
+        gates_[number].is_open = gates_[number].is_used = false;
+        released_.push_back(number);
+    }
+
+    void link(std::uint32_t before, std::uint32_t after) {
+        gates_[before].after = after;
+        gates_[after].before = before;
+    }
+
+    // The triangle has also the gate before.
+    void close_before(std::uint32_t made, const Gate& gate, std::uint32_t third,
+                      const std::array<std::uint32_t, 3>& points) {
+        const std::uint32_t before = gates_[gate.before].before;
+        release(gate.before);
+        set_gate(made, {third, gate.positions[1], gate.positions[0]}, {points[2], points[1], points[0]});
+        link(before, made);
+        link(made, gate.after);
+        settle(made, gate.after);
+    }
+
+    void close_after(std::uint32_t made, const Gate& gate, std::uint32_t third,
+                     const std::array<std::uint32_t, 3>& points) {
+        const std::uint32_t after = gates_[gate.after].after;
+        release(gate.after);
+        set_gate(made, {gate.positions[0], third, gate.positions[1]}, {points[0], points[2], points[1]});
+        link(gate.before, made);
+        link(made, after);
+        settle(made, after);
+    }
+
+    // Takes two gates off that are the same edge from both sides, else measures the corners around the first.
+    void settle(std::uint32_t made, std::uint32_t after) {
+        for (const auto& [first, second] : {std::pair(gates_[made].before, made), std::pair(made, after)}) {
+            const Gate &a = gates_[first], &b = gates_[second];
+            if (first == second || !a.is_open || !b.is_open || a.positions[0] != b.positions[1] ||
+                a.positions[1] != b.positions[0])
+                continue;
+            const std::uint32_t before = a.before, behind = b.after;
+            release(first);
+            release(second);
+            if (before == second) return;
+            link(before, behind);
+            measure(behind);
+            return;
+        }
+        measure(made);
+        measure(after);
+        enqueue(made);
+    }
+
+    // The triangle has a new position, or one elsewhere: there the border is parted, or two borders become one.
+    void open(std::uint32_t first, const Gate& gate, std::uint32_t third, const std::array<std::uint32_t, 3>& points,
+              bool is_new) {
+        std::uint32_t there = is_new ? none : states_[third].gate;
+        if (there != none && (!gates_[there].is_used || gates_[there].positions[0] != third)) there = none;
+        set_gate(first, {gate.positions[0], third, gate.positions[1]}, {points[0], points[2], points[1]});
+        const std::uint32_t second =
+            add_gate({third, gate.positions[1], gate.positions[0]}, {points[2], points[1], points[0]});
+        link(gate.before, first);
+        link(second, gate.after);
+        if (there != none && there != gate.after) {
+            const std::uint32_t before = gates_[there].before;
+            link(first, there);
+            link(before, second);
+            measure(there);
+        } else {
+            link(first, second);
+        }
+        measure(first);
+        measure(gate.after);
+        if (is_new)
+            gates_[second].angle = angle::reflex;
+        else
+            measure(second);
+        enqueue(first);
+        enqueue(second);
+    }
+
+    // The angle where a gate begins.
+    void measure(std::uint32_t number) {
+        Gate& gate = gates_[number];
+        const Gate& before = gates_[gate.before];
+        if (!gate.is_open || !before.is_open) return;
+        const GridPoint& at = mesh_.positions[gate.positions[0]];
+        gate.angle = angle_between(mesh_.positions[gate.positions[1]] - at, mesh_.positions[before.positions[0]] - at,
+                                   mesh_.positions[gate.positions[2]] - at);
+    }
+
+    // Gates beside a sharp corner come first, the last ones before all.
+    void enqueue(std::uint32_t number) {
+        const Sides sides = sides_of(number);
+        const bool is_urgent = std::any_of(sides.angle.begin(), sides.angle.end(), [](std::uint8_t a) {
+            return a >= angle::least_urgent && a <= angle::sharpest;
+        });
+        (is_urgent ? urgent_ : waiting_).push_back(number);
+    }
+
+    std::uint32_t next_gate() {
+        while (!urgent_.empty() || next_waiting_ < waiting_.size()) {
+            std::uint32_t number = none;
+            if (urgent_.empty()) {
+                number = waiting_[next_waiting_++];
+            } else {
+                number = urgent_.back();
+                urgent_.pop_back();
+            }
+            if (gates_[number].is_open) return number;
+        }
+        waiting_.clear();
+        next_waiting_ = 0;
+        return none;
+    }
+
+    Coder& coder_;
+    Source* source_;
+    LeanMesh& mesh_;
+    std::vector<PositionState> states_;
+    std::vector<std::uint32_t>
+        earlier_points_;  // of each point, the one before at its position; where there are attributes
+    std::vector<Gate> gates_;
+    std::vector<std::uint32_t> released_, urgent_, waiting_;
+    std::size_t next_waiting_ = 0;
+    std::uint64_t max_points_ = 0;
+    GridPoint last_start_{};
+
+    PositionCoder<Coder> position_coder_;
+    std::array<std::array<std::array<std::array<Decision, 4>, 3>, angle::count>, 2> closes_;
+    std::array<std::array<Decision, 3>, 3> goes_on_;
+    Decision is_new_, is_expected_, is_this_;
+    std::array<Decision, 3> is_known_;
+    NumberModel known_first_, known_later_;
+    std::array<std::array<std::array<std::array<NumberModel, 6>, 3>, 4>, 2> values_;
+};
+
+// ---- the stream: counts, grids, then decisions and whole bits ----
+
+void append(std::vector<std::byte>& bytes, std::span<const std::byte> more) {
+    bytes.insert(bytes.end(), more.begin(), more.end());
+}
+
+void append_number(std::vector<std::byte>& bytes, std::uint64_t value) {
+    for (; value >= 0x80; value >>= 7) bytes.push_back(static_cast<std::byte>((value & 0x7f) | 0x80));
+    bytes.push_back(static_cast<std::byte>(value));
+}
+
+std::uint64_t take_number(std::span<const std::byte>& bytes) {
+    std::uint64_t value = 0;
+    for (int shift = 0; shift < 63 && !bytes.empty(); shift += 7) {
+        const auto byte = std::to_integer<std::uint64_t>(bytes.front());
+        bytes = bytes.subspan(1);
+        value |= (byte & 0x7f) << shift;
+        if (byte < 0x80) return value;
+    }
+    throw Damaged{};
+}
+
+constexpr std::size_t grid_bytes = 4 * sizeof(float);
+
+void append_grid(std::vector<std::byte>& bytes, const LeanGrid& grid) {
+    append(bytes, std::as_bytes(std::span(grid.origin)));
+    append(bytes, std::as_bytes(std::span(&grid.step, 1)));
+}
+
+LeanGrid take_grid(std::span<const std::byte>& bytes) {
+    if (bytes.size() < grid_bytes) throw Damaged{};
+    LeanGrid grid;
+    std::memcpy(grid.origin.data(), bytes.data(), sizeof grid.origin);
+    std::memcpy(&grid.step, bytes.data() + sizeof grid.origin, sizeof grid.step);
+    bytes = bytes.subspan(grid_bytes);
+    return grid;
+}
+
+void append_head(std::vector<std::byte>& bytes, const LeanMesh& mesh, std::size_t triangles) {
+    append_number(bytes, triangles);
+    append_grid(bytes, mesh.grid);
+    append_number(bytes, mesh.attributes.size());
+    for (const LeanAttribute& attribute : mesh.attributes) {
+        append_number(bytes, attribute.components());
+        if (attribute.kind == LeanAttribute::Kind::texture_coordinate) append_grid(bytes, attribute.grid);
+    }
+}
+
+std::uint64_t take_head(std::span<const std::byte>& bytes, LeanMesh& mesh) {
+    const std::uint64_t triangles = take_number(bytes);
+    mesh.grid = take_grid(bytes);
+    const std::uint64_t attributes = take_number(bytes);
+    if (attributes > max_attributes) throw Damaged{};
+    for (std::uint64_t a = 0; a < attributes; ++a) {
+        LeanAttribute& attribute = mesh.attributes.emplace_back();
+        const std::uint64_t components = take_number(bytes);
+        if (components == static_cast<std::uint64_t>(LeanAttribute::Kind::texture_coordinate)) {
+            attribute.kind = LeanAttribute::Kind::texture_coordinate;
+            attribute.grid = take_grid(bytes);
+        } else if (components != static_cast<std::uint64_t>(LeanAttribute::Kind::color)) {
+            throw Damaged{};
+        }
+    }
+    return triangles;
+}
+
+LeanMesh decode(std::span<const std::byte> bytes, std::uint64_t max_points, std::uint64_t max_triangles) {
+    LeanMesh mesh;
+    const std::uint64_t size = bytes.size(), triangles = take_head(bytes, mesh);
+    if (triangles / max_triangles_per_byte > size) throw Damaged{};
+    if (triangles > max_triangles) throw TooMany{};
+    const std::uint64_t decisions = take_number(bytes);
+    if (decisions > bytes.size()) throw Damaged{};
+    AdaptiveDecoder decoder(bytes.first(decisions), bytes.subspan(decisions));
+    std::make_unique<Walk<AdaptiveDecoder>>(decoder, mesh, nullptr)
+        ->run(static_cast<std::uint32_t>(triangles), max_points);
+    if (!decoder.is_at_end()) throw Damaged{};
+    return mesh;
+}
+
+}  // namespace
+
+EncodedLeanMesh encode_lean_mesh(const LeanMesh& mesh) {
+    EncodedLeanMesh result;
+    result.decoded.grid = mesh.grid;
+    for (const LeanAttribute& attribute : mesh.attributes)
+        result.decoded.attributes.push_back({attribute.kind, attribute.grid, {}});
+    Source source(mesh);
+    AdaptiveEncoder encoder;
+    std::make_unique<Walk<AdaptiveEncoder>>(encoder, result.decoded, &source)
+        ->run(static_cast<std::uint32_t>(mesh.triangles.size()), none);
+    result.source_corners = std::move(source.told_corners);
+    append_head(result.bytes, mesh, mesh.triangles.size());
+    const std::vector<std::byte> decisions = encoder.decisions();
+    append_number(result.bytes, decisions.size());
+    append(result.bytes, decisions);
+    append(result.bytes, encoder.whole_bits());
+    return result;
+}
+
+Result<LeanMesh> decode_lean_mesh(std::span<const std::byte> bytes, std::uint64_t max_points,
+                                  std::uint64_t max_triangles) {
+    try {
+        return decode(bytes, max_points, max_triangles);
+    } catch (const Damaged&) {
+        return invalid_input("lean mesh: damaged");
+    } catch (const TooMany&) {
+        return fail(ErrorCode::limit_exceeded, "lean mesh: more than " + std::to_string(max_points) + " points or " +
+                                                   std::to_string(max_triangles) + " triangles");
+    }
+}
+
+}  // namespace lodestream::codec
