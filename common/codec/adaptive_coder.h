@@ -41,6 +41,7 @@ class Decision {
 };
 
 inline constexpr int max_bits_at_once = 25;
+inline constexpr std::size_t left_out_bytes = 8;  // zeros at the end of decisions, at most
 
 class AdaptiveEncoder {
   public:
@@ -66,14 +67,15 @@ class AdaptiveEncoder {
         return value;
     }
 
-    // Both are to be asked for once, at the end. The decisions' end in zeros is left out.
+    // Both are to be asked for once, at the end. Of the decisions' last words what is zero is left out.
     std::vector<std::byte> decisions() {
         add(0xffffffffu);
         words_.push_back(static_cast<std::uint32_t>(low_ >> 32));
         std::vector<std::byte> bytes;
         for (const std::uint32_t word : words_)
             for (int shift = 24; shift >= 0; shift -= 8) bytes.push_back(static_cast<std::byte>(word >> shift & 0xff));
-        while (!bytes.empty() && bytes.back() == std::byte{0}) bytes.pop_back();
+        for (std::size_t i = 0; i < left_out_bytes && !bytes.empty() && bytes.back() == std::byte{0}; ++i)
+            bytes.pop_back();
         return bytes;
     }
     std::vector<std::byte> whole_bits() {
@@ -107,7 +109,7 @@ class AdaptiveDecoder {
         code_ |= next_word();
     }
 
-    [[gnu::always_inline]] bool decide(Decision& decision, bool = false) {
+    [[gnu::always_inline]] inline bool decide(Decision& decision, bool = false) {
         const std::uint64_t share = (range_ >> Decision::probability_bits) * decision.yes();
         const bool value = code_ < share;
         // Without a branch, which would be foreseen as badly as the decision is.
@@ -138,7 +140,8 @@ class AdaptiveDecoder {
 
     // Whether what was read is all there is, and no more.
     bool is_at_end() const {
-        return next_word_ >= decisions_.size() && next_word_ <= decisions_.size() + 2 * sizeof(std::uint64_t) &&
+        return next_word_ >= decisions_.size() &&
+               next_word_ <= decisions_.size() + left_out_bytes + sizeof(std::uint64_t) &&
                (next_bit_ + 7) / 8 == bits_.size();
     }
 
@@ -161,8 +164,8 @@ class AdaptiveDecoder {
     std::uint64_t code_ = 0, range_ = ~std::uint64_t{0};
 };
 
-// Whole numbers of either sign, small ones the likelier ones: how many bits a number has, under a model; its sign; its
-// highest bits below the first, under one; the rest as they are.
+// Whole numbers of either sign, small ones the likelier ones: how many bits a number has, under a model; its sign and
+// what is below its first bit as they are, for a model of those learns less than it costs.
 class NumberModel {
   public:
     static constexpr int max_bits = max_bits_at_once + 2;
@@ -173,13 +176,9 @@ class NumberModel {
         const auto magnitude = static_cast<std::uint32_t>(std::abs(value));
         const int length = code_length(coder, std::bit_width(magnitude));
         if (length == 0) return 0;
-        const bool negative = coder.decide(sign_, value < 0);
+        const bool negative = coder.bits(value < 0 ? 1 : 0, 1) != 0;
         std::uint32_t result = 1;
         int rest = length - 1;
-        if (rest > 0) {
-            --rest;
-            result = 2 + (coder.decide(second_[static_cast<std::size_t>(length)], magnitude >> rest & 1) ? 1 : 0);
-        }
         result = result << rest | coder.bits(magnitude & ((1u << rest) - 1u), rest);
         return negative ? -static_cast<std::int32_t>(result) : static_cast<std::int32_t>(result);
     }
@@ -203,8 +202,6 @@ class NumberModel {
     }
 
     std::array<Decision, 16> short_, long_;
-    std::array<Decision, max_bits + 1> second_;
-    Decision sign_;
 };
 
 }  // namespace lodestream::codec

@@ -15,8 +15,6 @@
 namespace lodestream::codec {
 namespace {
 
-using Wide = std::array<std::int64_t, 3>;
-
 constexpr std::uint32_t none = 0xffffffffu;
 // A triangle costs at least some decisions that are as sure as they can be: a thousandth of a bit each.
 constexpr std::uint64_t max_triangles_per_byte = 4096;
@@ -36,13 +34,6 @@ std::int64_t dot(const GridPoint& a, const GridPoint& b) {
     return std::int64_t{a[0]} * b[0] + std::int64_t{a[1]} * b[1] + std::int64_t{a[2]} * b[2];
 }
 
-Wide cross(const GridPoint& a, const GridPoint& b) {
-    const auto part = [&](std::size_t i, std::size_t k) {
-        return std::int64_t{a[i]} * b[k] - std::int64_t{a[k]} * b[i];
-    };
-    return {part(1, 2), part(2, 0), part(0, 1)};
-}
-
 std::int32_t largest(const GridPoint& p) {
     return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
 }
@@ -51,12 +42,14 @@ int bits_of(std::int32_t value) {
     return std::bit_width(static_cast<std::uint32_t>(std::abs(value)));
 }
 
-// The nearest whole number, within about limits that no coordinate leaves. One division and one rounding of doubles
-// are the same on every machine.
-std::int32_t rounded_ratio(std::int64_t a, std::int64_t b) {
+Vec3d as_vector(const GridPoint& p) {
+    return {p[0], p[1], p[2]};
+}
+
+// The nearest whole number, within twice what a coordinate may be. pre: not NaN
+std::int32_t rounded(double value) {
     constexpr double limit = 2.0 * max_lean_coordinate;
-    const double ratio = static_cast<double>(a) / static_cast<double>(b);
-    return static_cast<std::int32_t>(std::clamp(ratio, -limit, limit) + (limit + 0.5)) - 2 * max_lean_coordinate;
+    return static_cast<std::int32_t>(std::clamp(value, -limit, limit) + (limit + 0.5)) - 2 * max_lean_coordinate;
 }
 
 bool is_within(std::int64_t value) {
@@ -68,25 +61,24 @@ namespace angle {
 constexpr std::uint8_t widest = 0, sharpest = 7;  // above 120 degrees, below about 28
 constexpr std::uint8_t least_urgent = 1;          // below 120
 constexpr std::uint8_t reflex = 8;
-constexpr std::size_t count = 9;
-constexpr std::uint8_t unknown = 0xff;
+constexpr std::uint8_t unknown = 9;
+constexpr std::size_t count = 9;  // that are known
 }  // namespace angle
 
 // What a corner between edges e and f is, f reflex where it turns to the other side than the known triangle's third
 // corner lies on.
 std::uint8_t angle_between(const GridPoint& e, const GridPoint& f, const GridPoint& third) {
-    const Wide known = cross(third, e), missing = cross(e, f);
-    double turn = 0.0;
-    for (std::size_t i = 0; i < 3; ++i) turn += static_cast<double>(known[i]) * static_cast<double>(missing[i]);
-    if (turn < 0.0) return angle::reflex;
-    const auto product = static_cast<double>(dot(e, f));
-    const double square = product * product;
-    const double lengths = static_cast<double>(dot(e, e)) * static_cast<double>(dot(f, f));
-    if (product <= 0.0) return square > 0.25 * lengths ? angle::widest : 1;
-    constexpr std::array square_cosines{0.0625, 0.25, 0.4125, 0.6, 0.78125};
-    std::uint8_t result = 2;
-    for (const double limit : square_cosines) result += square >= limit * lengths ? 1 : 0;
-    return result;
+    const Vec3f a(as_vector(e)), b(as_vector(f)), c(as_vector(third));
+    const float turn = dot(glm::cross(c, a), glm::cross(a, b));
+    const float product = dot(a, b);
+    const float square = product * std::abs(product);
+    const float lengths = dot(a, a) * dot(b, b);
+    // Squares of cosines, with their signs. All are compared: a branch would seldom be foreseen.
+    constexpr std::array limits{-0.25f, 0.0f, 0.0625f, 0.25f, 0.4125f, 0.6f, 0.78125f};
+    unsigned sharpness = 0;
+    for (const float limit : limits) sharpness += static_cast<unsigned>(square >= limit * lengths);
+    const unsigned is_reflex = static_cast<unsigned>(turn < 0.0f);
+    return static_cast<std::uint8_t>(is_reflex * angle::reflex + (1u - is_reflex) * sharpness);
 }
 
 // What the encoder alone knows: the mesh, what of it has been told, and under which numbers.
@@ -188,25 +180,26 @@ class PositionCoder {
         const auto& [a, b, c] = triangle;
         const GridPoint one = a + b - c, several = mean_parallelogram(triangle, sides);
         const GridPoint expected = clamped(off_[0] <= off_[1] ? one : several);
-        const Wide normal = small(cross(b - a, c - a));
-        const std::array<std::size_t, 3> axis = axes(normal);
+        const Vec3d normal = cross(as_vector(b - a), as_vector(c - a));
+        const std::array<int, 3> axis = axes(normal);
         const int size = std::min(bits_of(largest(b - a)), largest_size);
         const int shape =
             std::clamp(bits_of(std::min(largest(c - a) + largest(c - b), max_lean_coordinate)) - size + 1, 0, 3);
         const GridPoint off = wanted - expected;
 
         GridPoint result{};
-        std::int32_t& u = result[axis[0]];
-        std::int32_t& v = result[axis[1]];
-        u = first_[index(size)][index(shape)].code(coder_, off[axis[0]]);
-        v = second_[index(size)][index(std::clamp(bits_of(u) - size + 5, 0, 7))].code(coder_, off[axis[1]]);
-        const std::int64_t upright = normal[axis[2]];
+        const std::int32_t u = first_[index(size)][index(shape)].code(coder_, off[index(axis[0])]);
+        const std::int32_t v =
+            second_[index(size)][index(std::clamp(bits_of(u) - size + 5, 0, 7))].code(coder_, off[index(axis[1])]);
+        const double upright = normal[axis[2]];
         const std::int32_t on_plane =
-            upright == 0 ? 0 : rounded_ratio(-(normal[axis[0]] * u + normal[axis[1]] * v), upright);
+            upright == 0.0 ? 0 : rounded(-(normal[axis[0]] * u + normal[axis[1]] * v) / upright);
         const int reach = std::clamp(std::max(bits_of(u), bits_of(v)) - size + 4, 0, 7);
         const std::int32_t height =
-            heights_[index(std::min(bend, largest_size))][index(reach)].code(coder_, off[axis[2]] - on_plane);
-        result[axis[2]] = height + on_plane;
+            heights_[index(std::min(bend, largest_size))][index(reach)].code(coder_, off[index(axis[2])] - on_plane);
+        result[index(axis[0])] = u;
+        result[index(axis[1])] = v;
+        result[index(axis[2])] = height + on_plane;
         result = result + expected;
         learn(result, one, several);
         bend = bits_of(height);
@@ -235,39 +228,26 @@ class PositionCoder {
 
     // The parallelogram over the last triangle, and those that the neighbours along the border span.
     static GridPoint mean_parallelogram(const std::array<GridPoint, 3>& triangle, const std::array<Side, 2>& sides) {
-        constexpr int own_weight = 16;
-        constexpr std::array<int, angle::count> weights{8, 16, 12, 8, 4, 4, 0, 0, 0};
+        constexpr double own_weight = 16;
+        constexpr std::array<double, angle::count + 1> weights{8, 16, 12, 8, 4, 4, 0, 0, 0, 0};
         const GridPoint one = triangle[0] + triangle[1] - triangle[2];
-        Wide sum{};
-        int total = own_weight;
-        for (std::size_t k = 0; k < 3; ++k) sum[k] = std::int64_t{own_weight} * one[k];
+        Vec3d sum = own_weight * as_vector(one);
+        double total = own_weight;
         for (std::size_t s = 0; s < 2; ++s) {
-            if (sides[s].angle >= weights.size()) continue;
-            const int weight = weights[sides[s].angle];
-            const GridPoint at = triangle[1 - s] + sides[s].neighbour - triangle[s];
-            for (std::size_t k = 0; k < 3; ++k) sum[k] += std::int64_t{weight} * at[k];
+            const double weight = weights[sides[s].angle];
+            sum += weight * as_vector(triangle[1 - s] + sides[s].neighbour - triangle[s]);
             total += weight;
         }
-        GridPoint mean{};
-        for (std::size_t k = 0; k < 3; ++k) mean[k] = rounded_ratio(sum[k], total);
-        return mean;
-    }
-
-    // Of a length that leaves room for products.
-    static Wide small(Wide normal) {
-        constexpr std::int64_t limit = 1 << 20;
-        const std::int64_t size = std::max({std::abs(normal[0]), std::abs(normal[1]), std::abs(normal[2])});
-        const int shift = std::bit_width(static_cast<std::uint64_t>(size / limit));
-        for (std::int64_t& n : normal) n >>= shift;
-        return normal;
+        const double share = 1.0 / total;
+        return {rounded(share * sum.x), rounded(share * sum.y), rounded(share * sum.z)};
     }
 
     // The one that is steepest to the plane last.
-    static std::array<std::size_t, 3> axes(const Wide& normal) {
-        std::size_t last = 0;
-        for (std::size_t k = 1; k < 3; ++k)
-            if (std::abs(normal[k]) > std::abs(normal[last])) last = k;
-        return {(last + 1) % 3, (last + 2) % 3, last};
+    static std::array<int, 3> axes(const Vec3d& normal) {
+        const double x = std::abs(normal.x), y = std::abs(normal.y), z = std::abs(normal.z);
+        const int last = z > std::max(x, y) ? 2 : y > x ? 1 : 0;
+        constexpr std::array<int, 5> following{0, 1, 2, 0, 1};
+        return {following[static_cast<std::size_t>(last + 1)], following[static_cast<std::size_t>(last + 2)], last};
     }
 
     // Which expectation has been the better one of late.

@@ -3,8 +3,8 @@
 // machine, Gumhold and Straßer 1998), sharp corners of the border first. How sharp they are tells which are closed
 // (Kälberer et al. 2005, "FreeLence"), so connectivity and positions go together. A new position is expected where a
 // parallelogram has it, or several; what it is off by is told along the surface first, then how far it is from the
-// last triangle's plane, which along a smooth surface is little. All of it in whole numbers: what one machine encodes
-// every other decodes.
+// last triangle's plane, which along a smooth surface is little. What is expected is reckoned so that every machine
+// rounds it alike.
 #pragma once
 
 #include <array>

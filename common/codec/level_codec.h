@@ -2,9 +2,11 @@
 // A hybrid level: each material's Gouraud triangles form a primitive with NORMAL, its flat triangles one without, which
 // glTF 2.0 (§3.7.2.1) says must be drawn with flat normals. All primitives share one quantization grid, so the vertices
 // along the border decode to the same bits.
-// A *lean* level is glTF too, for this project's own decoder: each material is one primitive without NORMAL, so that no
-// border is coded twice, and which of its triangles are Gouraud, with the normals that cannot be derived from them,
-// stands in a buffer view that the primitive's extras name (lean_shading.h). Other viewers draw all of it flat.
+// A *lean* level is a valid GLB too, but for this project's own decoder: each material is one primitive without NORMAL,
+// so that no border is coded twice. Its geometry is a stream of its own (lean_mesh.h) in a buffer view that the
+// required extension LODESTREAM_lean_mesh names; which of its triangles are Gouraud, with the normals that cannot be
+// derived from them, stands in a buffer view that the primitive's extras name (lean_shading.h). Lean levels of before,
+// whose geometry is a Draco stream, are read as well.
 #pragma once
 
 #include <cstddef>
@@ -34,13 +36,15 @@ inline constexpr int max_position_bits = 20;
 // raises a picture's error by a few percent, and of its extent about what Draco's usual 14 bits cost.
 inline constexpr double off_surface_share_of_error = 0.35;
 inline constexpr double off_surface_share_of_extent = 0.29 / (1 << 14);
+// Lean levels, whose bytes leave room for it, are closer.
+inline constexpr double lean_off_surface_share_of_extent = 0.22 / (1 << 14);
 // And no step is larger than this share of the mean edge.
 inline constexpr double steps_per_edge = 8.0;
 
 // The grid from the corner of `bounds` on with about the largest step that keeps `level`, which is `error` (RMS, model
 // units) off the full model, within these limits if it is rounded along its surface. It may reach beyond `bounds`: the
 // codes that are left over cost nothing, half a bit of each coordinate would. pre: `bounds` holds the level
-QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double error);
+QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double error, bool lean = false);
 
 // For content that must meet other content, and so is rounded to the nearest point: the step always resolves 1/16 of
 // the mean edge, and never more than 1/64 of it: a finer one no longer tilts a triangle by as much as 8-bit normals do,
@@ -82,21 +86,23 @@ struct EncodeOptions {
 };
 
 // In proportion to what the level's normals are off anyway (metric::SurfaceError::normal_degrees), within limits.
-double fit_normal_tolerance_degrees(double normal_error_degrees);
-// Bits of a plain level's normals that keep a step below a quarter of the tolerance, 10 at most. pre: > 0
+double fit_normal_tolerance_degrees(double normal_error_degrees, bool lean = false);
+// Bits of a plain level's normals that keep this many steps in the tolerance, 10 at most: 6 at the largest. pre: > 0
+inline constexpr double normal_steps_per_tolerance = 2.84;
 int fit_normal_bits(double tolerance_degrees);
 inline constexpr double normal_tolerance_share_of_error = 0.6;
 inline constexpr double least_normal_tolerance_degrees = 0.7;
+inline constexpr double least_lean_normal_tolerance_degrees = 0.42;
 inline constexpr double largest_normal_tolerance_degrees = 8.0;
 
-// Sets both.
+// Sets both, for a lean level where `options` say so.
 void fit_normals(EncodeOptions& options, double normal_error_degrees);
 
 struct Encoded {
     std::vector<std::byte> glb;
     std::uint64_t triangles = 0;
     std::uint64_t vertices = 0;                                   // as decoded, summed over the primitives
-    std::uint64_t geometry_bytes = 0;                             // of the Draco streams and the lean shading
+    std::uint64_t geometry_bytes = 0;                             // of the streams and the lean shading
     std::uint64_t texture_bytes = 0;                              // of the images
     std::vector<std::pair<std::string, std::uint64_t>> left_out;  // what, and the bytes that it would have cost
 };

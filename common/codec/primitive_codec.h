@@ -59,7 +59,9 @@ Result<EncodedPrimitive> encode_lean_primitive(std::span<const mesh::Triangle> t
 // What a decoder makes of a lean stream's mesh; attribute ids are those of encode_lean_primitive.
 DracoMesh points_of(LeanMesh mesh);
 
-// Bytes of the Draco stream alone.
+// Bytes of the stream alone: a Draco stream's, a lean one's.
 std::uint64_t measure_primitive(std::span<const mesh::Triangle> triangles, std::span<const Channel* const> channels);
+std::uint64_t measure_lean_primitive(std::span<const mesh::Triangle> triangles,
+                                     std::span<const Channel* const> channels);
 
 }  // namespace lodestream::codec

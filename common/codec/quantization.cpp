@@ -79,10 +79,11 @@ QuantizationGrid choose_grid(const Box& bounds, double error, double mean_edge_l
     return grid;
 }
 
-QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double error) {
+QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double error, bool lean) {
     const QuantizationGrid finest = choose_grid(bounds, 0.0, 0.0);
-    const double allowed = std::hypot(off_surface_share_of_error * (positive(error) ? error : 0.0),
-                                      off_surface_share_of_extent * finest.range);
+    const double allowed =
+        std::hypot(off_surface_share_of_error * (positive(error) ? error : 0.0),
+                   (lean ? lean_off_surface_share_of_extent : off_surface_share_of_extent) * finest.range);
     // Rounding along a surface gains less than three bits on the nearest point, which is off by 0.29 steps.
     double largest = std::min(30.0 * allowed, finest.range / (std::ldexp(1.0, min_position_bits) - 1.0));
     if (const double edge = mesh::mean_edge_length(level); positive(edge))
@@ -101,19 +102,20 @@ QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double err
     return best;
 }
 
-double fit_normal_tolerance_degrees(double normal_error_degrees) {
+double fit_normal_tolerance_degrees(double normal_error_degrees, bool lean) {
     const double share = normal_tolerance_share_of_error * normal_error_degrees;
-    return positive(share) ? std::clamp(share, least_normal_tolerance_degrees, largest_normal_tolerance_degrees)
-                           : least_normal_tolerance_degrees;
+    const double least = lean ? least_lean_normal_tolerance_degrees : least_normal_tolerance_degrees;
+    return positive(share) ? std::clamp(share, least, largest_normal_tolerance_degrees) : least;
 }
 
 int fit_normal_bits(double tolerance_degrees) {
     constexpr double around = 180.0;  // degrees that the steps of one coordinate reach over
-    return std::clamp(static_cast<int>(std::ceil(std::log2(4.0 * around / tolerance_degrees) - 1e-9)), 4, 10);
+    return std::clamp(
+        static_cast<int>(std::ceil(std::log2(normal_steps_per_tolerance * around / tolerance_degrees) - 1e-9)), 4, 10);
 }
 
 void fit_normals(EncodeOptions& options, double normal_error_degrees) {
-    options.normal_tolerance_degrees = fit_normal_tolerance_degrees(normal_error_degrees);
+    options.normal_tolerance_degrees = fit_normal_tolerance_degrees(normal_error_degrees, options.lean);
     options.normal_bits = fit_normal_bits(options.normal_tolerance_degrees);
 }
 

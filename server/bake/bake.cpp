@@ -318,9 +318,11 @@ bool is_empty(const mesh::Model& model) {
     return model.kind == mesh::Kind::points ? model.mesh.positions.empty() : model.mesh.triangles.empty();
 }
 
-codec::EncodeOptions level_options(const Box& grid_bounds, const mesh::Mesh& level, const metric::SurfaceError& error) {
+codec::EncodeOptions level_options(const Box& grid_bounds, const mesh::Mesh& level, const metric::SurfaceError& error,
+                                   bool lean) {
     codec::EncodeOptions options;
-    options.grid = codec::fit_grid(grid_bounds, level, error.rms);
+    options.lean = lean;
+    options.grid = codec::fit_grid(grid_bounds, level, error.rms, lean);
     codec::fit_normals(options, error.normal_degrees);
     return options;
 }

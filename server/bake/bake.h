@@ -59,7 +59,8 @@ using store::imported_key;                             // of the imported model,
 
 // The asset's one grid with as many bits, and normals as close, as this level's error deserves. `grid_bounds`: of all
 // of the asset's levels.
-codec::EncodeOptions level_options(const Box& grid_bounds, const mesh::Mesh& level, const metric::SurfaceError& error);
+codec::EncodeOptions level_options(const Box& grid_bounds, const mesh::Mesh& level, const metric::SurfaceError& error,
+                                   bool lean = false);
 // What an asset tells of an encoded level.
 proto::Level described_level(const codec::Encoded& encoded, const metric::SurfaceError& error, const Box& bounds,
                              double encode_ms, const std::string& hash);

@@ -153,13 +153,13 @@ metric::SurfaceError seen_error(const proto::PlanResponse& response) {
     return {level.rms_error, level.max_error, level.normal_error_degrees};
 }
 
-// Names everything that the encoded bytes depend on, the form of lean shading and the order of triangles by its first
-// word: what an older server stored is made anew. The view matters only where triangles are chosen by it.
+// Names everything that the encoded bytes depend on, the order of triangles by its first word and the form of lean
+// levels by theirs: what an older server stored is made anew. The view matters only where triangles are chosen by it.
 std::string content_key(const LevelRequest& level, const Vec3d& center) {
     const SplitRequest& split = level.split;
     std::string key = "level/gain-2/" + std::to_string(level.triangles) + "/" + proto::shading_mode_name(split.mode);
     if (level.shell) key += "/outside";
-    if (level.profile == proto::Profile::lean) key += "/lean";
+    if (level.profile == proto::Profile::lean) key += "/lean-mesh";
     if (!level.textures.key.empty()) key += "/images" + level.textures.key;
     if (split.mode != proto::ShadingMode::hybrid || split.distance <= 0.0 || split.distance >= 1.0) {
         return key + (split.mode == proto::ShadingMode::hybrid ? (split.distance <= 0.0 ? "/near" : "/far") : "");
@@ -258,9 +258,9 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
     response.timing_ms.cut = cutting.ms();
 
     const Stopwatch encoding;
-    codec::EncodeOptions options = bake::level_options(baked.grid_bounds, level, seen_error(response));
+    codec::EncodeOptions options =
+        bake::level_options(baked.grid_bounds, level, seen_error(response), wanted.profile == proto::Profile::lean);
     if (!painted) options.images = wanted.textures.images;
-    options.lean = wanted.profile == proto::Profile::lean;
     const Extras extras = [&](const EncodedSplit& attempt) {
         proto::PlanResponse figures = response;
         fill_shading(figures, attempt);

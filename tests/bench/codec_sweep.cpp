@@ -37,10 +37,10 @@ class Sweep {
     std::vector<CodecTrial> trials() {
         for (const bool lean : {false, true}) {
             for (const int halvings : {2, 1})
-                add_ours("no error, halved " + std::to_string(halvings) + " times", options_below(halvings), lean,
+                add_ours("no error, halved " + std::to_string(halvings) + " times", options_below(halvings, lean),
                          false);
             for (const double share : shares_of_error)
-                add_ours(json(share).dump() + " of the level's error", options_at(share), lean, share == 1.0);
+                add_ours(json(share).dump() + " of the level's error", options_at(share, lean), share == 1.0);
         }
         for (const int bits : position_bits) add_draco({bits, bits - fewer_normal_bits, 12, 5});
         for (const int speed : draco_speeds) add_draco({14, 10, 12, speed});
@@ -55,30 +55,29 @@ class Sweep {
         return model;
     }
 
-    codec::EncodeOptions options_at(double share) const {
+    codec::EncodeOptions options_at(double share, bool lean) const {
         const metric::SurfaceError& error = swept_.error;
         return bake::level_options(swept_.grid_bounds, swept_.level,
-                                   {share * error.rms, share * error.max, share * error.normal_degrees});
+                                   {share * error.rms, share * error.max, share * error.normal_degrees}, lean);
     }
 
     // Closer than anything that is served.
-    codec::EncodeOptions options_below(int halvings) const {
-        codec::EncodeOptions options = options_at(0.0);
+    codec::EncodeOptions options_below(int halvings, bool lean) const {
+        codec::EncodeOptions options = options_at(0.0, lean);
         options.grid.bits = std::min(options.grid.bits + halvings, codec::max_position_bits);
         options.normal_tolerance_degrees = std::ldexp(options.normal_tolerance_degrees, -halvings);
         options.normal_bits = codec::fit_normal_bits(options.normal_tolerance_degrees);
         return options;
     }
 
-    void add_ours(const std::string& setting, codec::EncodeOptions options, bool lean, bool is_default) {
-        options.lean = lean;
+    void add_ours(const std::string& setting, const codec::EncodeOptions& options, bool is_default) {
         const std::vector<std::uint8_t> all_gouraud(swept_.level.triangles.size(), 1);
         const Stopwatch watch;
         Result<codec::Encoded> encoded = codec::encode_level(swept_.model, swept_.level, all_gouraud, options);
         if (!encoded) throw std::runtime_error(encoded.error().message);
         CodecTrial trial;
         trial.encode_ms = watch.elapsed().cpu_ms;
-        trial.codec = lean ? "lean" : "plain";
+        trial.codec = options.lean ? "lean" : "plain";
         trial.setting = setting + ", " + std::to_string(options.grid.bits) + " bits";
         trial.is_default = is_default;
         trial.bytes = encoded->geometry_bytes;

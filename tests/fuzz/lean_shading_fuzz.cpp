@@ -5,27 +5,17 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
-#include <span>
 #include <vector>
 
 #include "common/codec/lean_shading.h"
+#include "tests/fuzz/taken_bytes.h"
 
 namespace {
 
 using namespace lodestream;
-using Bytes = std::span<const std::uint8_t>;
-
-void require(bool holds) {
-    if (!holds) std::abort();
-}
-
-std::uint8_t take(Bytes& bytes) {
-    if (bytes.empty()) return 0;
-    const std::uint8_t first = bytes.front();
-    bytes = bytes.subspan(1);
-    return first;
-}
+using fuzz::Bytes;
+using fuzz::require;
+using fuzz::take;
 
 // A bumpy sheet, some of whose triangles have no area.
 struct Sheet {

@@ -9,7 +9,7 @@ import draco3d from "draco3dgltf";
 import { pathToFileURL } from "node:url";
 
 import { fetch_plan, list_assets, with_server } from "./server.mjs";
-import { structure_problems } from "./structure.mjs";
+import { container_problems } from "./structure.mjs";
 
 // What rounding saves the peer is up to a twentieth where most vertices are corners of boxes (the ship).
 const most_of_peers = 1.05;
@@ -56,7 +56,7 @@ async function compare(url, asset, triangles) {
     plain: plain.glb.bytes.length / draco,
     lean: lean.glb.bytes.length / draco,
     uncompressed: plain.glb.bytes.length / uncompressed,
-    problems: (await structure_problems(lean.glb.bytes)).map((problem) => `${lean.glb.name}, lean: ${problem}`),
+    problems: (await container_problems(lean.glb.bytes)).map((problem) => `${lean.glb.name}, lean: ${problem}`),
   };
 }
 

@@ -28,9 +28,14 @@ async function decoded(bytes) {
   return io.writeBinary(document);
 }
 
+// What the validator says of the container alone, for content that only this project decodes; empty where all is well.
+export async function container_problems(bytes) {
+  return issues(bytes, warning_severity + 1, "validator");
+}
+
 // The list of what is wrong; empty where all is well.
 export async function structure_problems(bytes) {
-  const problems = await issues(bytes, warning_severity + 1, "validator");
+  const problems = await container_problems(bytes);
   try {
     return [...problems, ...(await issues(await decoded(bytes), error_severity + 1, "validator, decoded"))];
   } catch (error) {

@@ -12,6 +12,8 @@
 #include <random>
 #include <string>
 
+#include "common/codec/glb.h"
+#include "common/codec/lean_shading.h"
 #include "common/mesh/operations.h"
 #include "tests/support/meshes.h"
 
@@ -587,8 +589,32 @@ TEST(LevelCodec, IsDeterministic) {
     EXPECT_EQ(a->glb, b->glb);
 }
 
-enum class Form { draco, accessors, lean };
-constexpr std::array<Form, 3> all_forms{Form::draco, Form::accessors, Form::lean};
+enum class Form { draco, accessors, lean, lean_draco };
+constexpr std::array<Form, 4> all_forms{Form::draco, Form::accessors, Form::lean, Form::lean_draco};
+
+// As lean levels were before they had a stream of their own: flat, Draco, and the lean shading beside it.
+std::vector<std::byte> as_lean_draco(const std::vector<std::byte>& flat, const WantedShading& wanted) {
+    const Result<Decoded> decoded = decode_level(flat);
+    const Mesh& mesh = decoded->primitives.at(0).mesh;
+    const std::vector<std::byte> shading = encode_lean_shading(mesh.positions, mesh.triangles, wanted, 1.0);
+    Result<Glb> glb = split_glb(flat);
+    auto json = glb->json;
+    std::vector<std::byte> binary(glb->binary.begin(), glb->binary.end());
+    json["meshes"][0]["primitives"][0]["extras"]["lodestream"]["shading"] = json["bufferViews"].size();
+    json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", shading.size()}});
+    binary.insert(binary.end(), shading.begin(), shading.end());
+    binary.resize((binary.size() + 3) / 4 * 4);
+    json["buffers"][0]["byteLength"] = binary.size();
+    return *join_glb(json, std::move(binary));
+}
+
+// Of a mesh whose normals are all the same.
+WantedShading all_up(std::size_t triangles, std::size_t gouraud) {
+    WantedShading wanted{
+        std::vector<std::uint8_t>(triangles, 0), {Vec3f(0, 1, 0)}, std::vector<std::uint32_t>(3 * triangles, 0)};
+    std::fill_n(wanted.gouraud.begin(), gouraud, std::uint8_t{1});
+    return wanted;
+}
 
 std::vector<std::byte> small_glb(Form form) {
     Mesh level = testing::tetrahedron();
@@ -601,8 +627,11 @@ std::vector<std::byte> small_glb(Form form) {
     model.materials[0].base_color_texture.image = 0;
     EncodeOptions options = options_for(level);
     options.lean = form == Form::lean;
-    Result<Encoded> encoded = encode_level(model, level, first_half_gouraud(level), options);
+    Result<Encoded> encoded =
+        encode_level(model, level, form == Form::lean_draco ? shaded(level, 0) : first_half_gouraud(level), options);
     EXPECT_TRUE(encoded.ok());
+    if (form == Form::lean_draco)
+        return as_lean_draco(encoded->glb, all_up(level.triangles.size(), level.triangles.size() / 2));
     return encoded.ok() ? std::move(encoded->glb) : std::vector<std::byte>{};
 }
 
@@ -616,6 +645,19 @@ void expect_sound(const Decoded& decoded) {
     }
     for (const mesh::Material& material : decoded.materials)
         ASSERT_LT(material.base_color_texture.image, static_cast<int>(decoded.images.size()));
+}
+
+TEST(LevelDecoder, ReadsLeanLevelsOfBefore) {
+    const Mesh level = testing::grid(9, [](double x, double z) { return 0.5 * std::sin(x + z); });
+    const Result<Encoded> flat = encode_level(model_of_one_material(), level, shaded(level, 0), options_for(level));
+    ASSERT_TRUE(flat.ok());
+    const std::size_t triangles = level.triangles.size();
+    const Result<Decoded> decoded = decode_level(as_lean_draco(flat->glb, all_up(triangles, triangles / 3)));
+    ASSERT_TRUE(decoded.ok()) << decoded.error().message;
+    ASSERT_EQ(decoded->primitives.size(), 2u);
+    EXPECT_EQ(decoded->primitives[0].mesh.triangles.size(), triangles / 3);
+    EXPECT_EQ(decoded->primitives[1].mesh.triangles.size(), triangles - triangles / 3);
+    for (const Vec3f& n : decoded->primitives[0].mesh.normals) EXPECT_GT(n.y, std::cos(radians(3.0)));
 }
 
 TEST(LevelDecoder, EveryTruncationIsAnError) {

