@@ -56,10 +56,14 @@ bool is_within(std::int64_t value) {
     return value >= -max_lean_coordinate && value <= max_lean_coordinate;
 }
 
+bool is_value(LeanAttribute::Kind kind, std::int32_t value) {
+    return kind == LeanAttribute::Kind::color ? value >= 0 && value <= 255 : is_within(value);
+}
+
 // The angle of a border's corner, over which no triangle is known yet, as a context.
 namespace angle {
-constexpr std::uint8_t widest = 0, sharpest = 7;  // above 120 degrees, below about 28
-constexpr std::uint8_t least_urgent = 1;          // below 120
+// 0: above 120 degrees; 7: below about 28.
+constexpr std::uint8_t least_urgent = 1, sharpest = 7;
 constexpr std::uint8_t reflex = 8;
 constexpr std::uint8_t unknown = 9;
 constexpr std::size_t count = 9;  // that are known
@@ -502,8 +506,9 @@ class Walk {
                 const auto context = static_cast<std::size_t>(std::min(bits_of(off), 5));
                 off = values_[a == 0 ? 0 : 1][c][is_inside ? (from[2] == none ? 1 : 0) : 2][context].code(
                     coder_, ask([&] { return source_->value(a, corner, c); }) - expected[c]);
-                if (!is_within(expected[c] + off)) throw Damaged{};
-                attribute.values.push_back(expected[c] + off);
+                const std::int32_t value = expected[c] + off;
+                if (!is_value(attribute.kind, value)) throw Damaged{};
+                attribute.values.push_back(value);
             }
         }
     }

@@ -31,7 +31,8 @@ struct LeanGrid {
 };
 
 struct LeanAttribute {
-    // Of a texture coordinate, two, where a triangle of the same shape has it; else where a parallelogram has it.
+    // By its components. A texture coordinate is expected where a triangle of the same shape has it on the image, a
+    // colour where a parallelogram has it.
     enum class Kind : std::uint8_t { texture_coordinate = 2, color = 4 };
     Kind kind = Kind::color;
     LeanGrid grid;                     // of texture coordinates; colours are 0 … 255
