@@ -196,6 +196,9 @@ int run(int argc, char** argv) {
                            "What `lodestream_bench_codec --sweep FILE` wrote: adds other codecs at equal error");
     report_app->add_option("--points", report.points,
                            "What `lodestream_bench_points --json FILE` wrote: adds the point-cloud paper's tests");
+    report_app->add_option(
+        "--scenes", report.scenes,
+        "What `lodestream_bench_hlod --growth COUNTS --json FILE` wrote: adds bakes of growing scenes");
     report_app->add_flag("--quick", report.quick, "Fewer and smaller models, fewer frames");
     report_app->add_flag("--json", report.json, "Print report.json instead of the table");
     report_app->footer("Example:\n  lodestream-client report --out report --quick");

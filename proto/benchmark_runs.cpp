@@ -124,6 +124,24 @@ RunOrigin read_origin(const Fields& fields) {
     return origin;
 }
 
+void read_bake(const Fields& fields, SceneBake bake, std::vector<SceneBake>& out) {
+    fields.require("objects", bake.objects);
+    fields.require("triangles", bake.triangles);
+    fields.require("tiles", bake.tiles);
+    fields.require("bytes", bake.bytes);
+    fields.require("wall_ms", bake.wall_ms);
+    fields.require("cpu_ms", bake.cpu_ms);
+    fields.require("tiles_ms", bake.tiles_ms);
+    fields.require("peak_memory_bytes", bake.peak_memory_bytes);
+    out.push_back(std::move(bake));
+}
+
+void read_model(const Fields& fields, SceneRun& run) {
+    SceneBake bake;
+    fields.require("model", bake.scene);
+    for (const Fields& one : fields.objects("bakes")) read_bake(one, bake, run.bakes);
+}
+
 // A run whose rows stand below its models.
 template <class Run>
 Result<Run> parse_run(std::string_view json) {
@@ -150,6 +168,10 @@ Result<CodecRun> parse_codec_run(std::string_view json) {
 
 Result<PointsRun> parse_points_run(std::string_view json) {
     return parse_run<PointsRun>(json);
+}
+
+Result<SceneRun> parse_scene_run(std::string_view json) {
+    return parse_run<SceneRun>(json);
 }
 
 }  // namespace lodestream::proto

@@ -91,9 +91,24 @@ struct PointsRun {
     std::vector<PointsPicture> pictures;
 };
 
+// The bake of a scene of so many objects.
+struct SceneBake {
+    std::string scene;
+    std::uint64_t objects = 0, triangles = 0;  // instances counted
+    std::uint64_t tiles = 0, bytes = 0;        // bytes: of all tiles
+    double wall_ms = 0.0, cpu_ms = 0.0, tiles_ms = 0.0;
+    std::uint64_t peak_memory_bytes = 0;
+};
+
+struct SceneRun {
+    RunOrigin origin;
+    std::vector<SceneBake> bakes;
+};
+
 // Errors: invalid_input, with the path of the field.
 Result<MethodRun> parse_method_run(std::string_view json);
 Result<CodecRun> parse_codec_run(std::string_view json);
 Result<PointsRun> parse_points_run(std::string_view json);
+Result<SceneRun> parse_scene_run(std::string_view json);
 
 }  // namespace lodestream::proto

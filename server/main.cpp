@@ -54,7 +54,8 @@ int run(int argc, char** argv) {
     cli::BakeArguments bake;
     CLI::App* bake_app = app.add_subcommand("bake", "Import and bake models without a server");
     bake_app->add_option("INPUT", bake.inputs,
-                         "Model files, or sample:teapot[:TRIANGLES], sample:terrain[:VERTICES], sample:ship[:OBJECTS]");
+                         "Model files, or sample:teapot[:TRIANGLES], sample:terrain[:VERTICES], sample:ship[:OBJECTS], "
+                         "sample:fine-ship[:OBJECTS]");
     bake_app->add_option("--store", bake.store, "Folder of the store; made where missing")->required();
     bake_app->add_flag("--json", bake.json, "Print one JSON object an input");
     bake_app->add_flag("--resume", bake.resume, "First go on with bakes that a crash or stop cut off");
@@ -89,7 +90,9 @@ int run(int argc, char** argv) {
 
     cli::SampleArguments sample;
     CLI::App* sample_app = app.add_subcommand("sample", "Write a built-in model to a file");
-    sample_app->add_option("NAME", sample.sample, "teapot[:TRIANGLES], terrain[:VERTICES] or ship[:OBJECTS]")
+    sample_app
+        ->add_option("NAME", sample.sample,
+                     "teapot[:TRIANGLES], terrain[:VERTICES], ship[:OBJECTS] or fine-ship[:OBJECTS]")
         ->required();
     sample_app->add_option("--out", sample.out, "FILE.glb or FILE.ply")->required();
     sample_app->callback([&] { command = [&] { return cli::sample(sample); }; });

@@ -43,4 +43,8 @@ Result<proto::PointsRun> read_points(const std::filesystem::path& file) {
     return read_run(file, proto::parse_points_run, "points");
 }
 
+Result<proto::SceneRun> read_scenes(const std::filesystem::path& file) {
+    return read_run(file, proto::parse_scene_run, "hlod");
+}
+
 }  // namespace lodestream::report

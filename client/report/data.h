@@ -187,6 +187,7 @@ struct ReportData {
     std::optional<proto::MethodRun> methods;  // where the report was given one
     std::optional<proto::CodecRun> codecs;    // likewise
     std::optional<proto::PointsRun> points;   // likewise
+    std::optional<proto::SceneRun> scenes;    // likewise
     std::optional<FrameRateResult> frame_rate;
     std::vector<std::string> problems;  // what is missing and why, one line each
 };

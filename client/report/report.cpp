@@ -135,9 +135,11 @@ Status run(const ReportOptions& options) {
     std::optional<proto::MethodRun> methods;
     std::optional<proto::CodecRun> codecs;
     std::optional<proto::PointsRun> points;
+    std::optional<proto::SceneRun> scenes;
     if (Status read = read_if_given(options.methods, read_methods, methods); !read) return read;
     if (Status read = read_if_given(options.codecs, read_codecs, codecs); !read) return read;
     if (Status read = read_if_given(options.points, read_points, points); !read) return read;
+    if (Status read = read_if_given(options.scenes, read_scenes, scenes); !read) return read;
     const Interrupts interrupts;
     std::optional<ServerProcess> server;
     if (options.server_url.empty()) {
@@ -150,6 +152,7 @@ Status run(const ReportOptions& options) {
     data->methods = std::move(methods);
     data->codecs = std::move(codecs);
     data->points = std::move(points);
+    data->scenes = std::move(scenes);
 
     const std::string json = json_document(*data);
     if (Status written = write_text(options.out / "report.html", html_document(*data)); !written) return written;

@@ -16,6 +16,7 @@ struct ReportOptions {
     std::optional<std::filesystem::path> methods;  // what the simplification benchmark wrote, to be shown beside ours
     std::optional<std::filesystem::path> codecs;   // what the codec benchmark wrote, likewise
     std::optional<std::filesystem::path> points;   // what the points benchmark wrote, likewise
+    std::optional<std::filesystem::path> scenes;   // what the hlod benchmark wrote of growing scenes, likewise
     bool quick = false;                            // models that are ready soon and small, fewer levels and frames
     bool json = false;                             // report.json on stdout instead of the table
     std::string command_line;                      // as typed; printed with every table

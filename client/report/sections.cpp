@@ -36,8 +36,9 @@ std::vector<Section> sections(const ReportData& data) {
     if (data.methods) all.push_back(methods_section(*data.methods));
     all.push_back(codec_section(data));
     if (data.codecs) all.push_back(codecs_section(*data.codecs));
-    for (auto* section : {shading_section, end_to_end_section, hlod_section, points_section})
-        all.push_back(section(data));
+    for (auto* section : {shading_section, end_to_end_section, hlod_section}) all.push_back(section(data));
+    if (data.scenes) all.push_back(scenes_section(*data.scenes));
+    all.push_back(points_section(data));
     if (data.points) {
         if (!data.points->scores.empty()) all.push_back(points_scores_section(*data.points));
         if (!data.points->settings.empty()) all.push_back(points_settings_section(*data.points));

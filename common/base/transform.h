@@ -19,4 +19,8 @@ inline Mat4d matrix_of(const Vec3d& translation, Vec4d rotation, const Vec3d& sc
             Vec4d{translation, 1}};
 }
 
+inline Mat4d translation(const Vec3d& offset) {
+    return {Vec4d{1, 0, 0, 0}, Vec4d{0, 1, 0, 0}, Vec4d{0, 0, 1, 0}, Vec4d{offset, 1}};
+}
+
 }  // namespace lodestream

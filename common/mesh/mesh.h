@@ -83,9 +83,18 @@ inline constexpr std::uint32_t no_parent = std::numeric_limits<std::uint32_t>::m
 // A root with a node for each object below it.
 SceneGraph flat_graph(std::uint32_t objects);
 
+// An object that shows a shape of the model, as others may.
+struct Instance {
+    std::uint32_t object = 0;  // of the graph's
+    std::uint32_t shape = 0;   // into Model::shapes
+    Mat4d matrix{1.0};         // from the shape's coordinates to those of Model::mesh; affine, not singular
+};
+
 // One imported asset: world-space geometry (node transforms applied) and what it needs to be drawn.
 struct Model {
     Mesh mesh;
+    std::vector<Mesh> shapes;         // of instances: in coordinates of their own, without triangle_objects
+    std::vector<Instance> instances;  // the objects that are not in `mesh`
     std::vector<Material> materials;  // never empty where the mesh has triangles
     std::vector<Image> images;
     Vec3d origin{0.0};  // world position of the mesh's (0,0,0); keeps float positions exact far from the world's origin

@@ -11,13 +11,16 @@
 #include <mutex>
 #include <numeric>
 #include <optional>
+#include <sstream>
 
 #include "common/codec/level_codec.h"
+#include "common/mesh/instances.h"
 #include "common/mesh/operations.h"
 #include "server/bake/executor.h"
 #include "server/bake/first_levels.h"
 #include "server/bake/hlod.h"
 #include "server/bake/points.h"
+#include "server/bake/shapes.h"
 #include "server/bake/shells.h"
 #include "server/bake/source_model.h"
 #include "server/bake/stopwatch.h"
@@ -162,11 +165,11 @@ Result<proto::Asset> finished(store::Store& store, proto::Asset asset, const Sto
 }
 
 // The tiles of a scene, and what the asset tells of them.
-Status make_hierarchy(store::Store& store, proto::Asset& asset, const mesh::Model& model,
+Status make_hierarchy(store::Store& store, proto::Asset& asset, const SceneParts& scene,
                       const texture::Textures& textures, Progress& progress) {
     const Stopwatch watch;
     const Result<TileTree> tree =
-        make_tiles(store, asset.id, model, textures, [&](double share) { return progress(share * tiled_share); });
+        make_tiles(store, asset.id, scene, textures, [&](double share) { return progress(share * tiled_share); });
     if (!tree) return tree.error();
     proto::Hierarchy& hierarchy = asset.hierarchy.emplace();
     hierarchy.tiles = tree->nodes.size();
@@ -186,6 +189,19 @@ Result<proto::Asset> bake_cloud(store::Store& store, proto::Asset asset, const m
     return finished(store, std::move(asset), watch);
 }
 
+// Of levels whose finest one is off by so much itself.
+void make_worse(std::vector<ErrorSample>& errors, const metric::SurfaceError& off) {
+    for (ErrorSample& sample : errors) sample.error = sum(sample.error, off);
+}
+
+std::string roughened(const WholeModel& whole, std::uint64_t triangles) {
+    std::ostringstream text;
+    text << "levels of the whole scene and its points are made of " << whole.model.mesh.triangles.size() << " of its "
+         << triangles << " triangles: instances that are off by at most " << whole.error.max
+         << ", which their errors include; its tiles show all of it";
+    return text.str();
+}
+
 // Everything of a bake that can fail; the caller turns a failure into the asset's status.
 Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::Model model, Progress& progress) {
     const Error ended = fail(ErrorCode::unavailable, "the bake was ended");  // Progress knows why
@@ -194,44 +210,61 @@ Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::
     if (model.kind == mesh::Kind::points) return bake_cloud(store, std::move(asset), model, progress);
     Result<texture::Ladder> ladder = load_textures(store, asset.id, model.images.size());
     if (!ladder) return ladder.error();
+    const Result<std::vector<ShapeLevels>> shapes = make_shape_levels(model, [&] { return progress(0.0); });
+    if (!shapes) return shapes.error();
+    std::optional<WholeModel> flat;
+    if (!model.instances.empty()) flat = whole_model(model, *shapes);
+    const mesh::Model& shown = flat ? flat->model : model;
     const texture::Textures textures =
-        texture::textures_of(*std::move(ladder), texture::image_uses(model), texture::texel_sizes(model));
+        texture::textures_of(*std::move(ladder), texture::image_uses(shown), texture::texel_sizes(shown));
     if (model.objects > 1)
-        if (Status made = make_hierarchy(store, asset, model, textures, progress); !made) return made.error();
+        if (Status made = make_hierarchy(store, asset, {model, *shapes, shown.mesh}, textures, progress); !made)
+            return made.error();
+    const bool is_cut_from_instances = flat.has_value();
+    if (flat && flat->error.max > 0.0) asset.warnings.push_back(roughened(*flat, asset.triangles));
+    WholeModel whole = flat ? *std::move(flat) : WholeModel{std::move(model), {}};
+    flat.reset();
+    model = {};
 
     const double begun = model.objects > 1 ? tiled_share : 0.0;
     simplify::RecordOptions recording;
     recording.progress = [&](double share) { return progress(std::lerp(begun, recorded_share, share)); };
     recording.executor = all_cores();
-    BakedModel baked = describe_model(model);
-    Result<simplify::History> history = simplify::record_history(std::move(model.mesh), recording);
+    BakedModel baked = describe_model(whole.model);
+    Result<simplify::History> history = simplify::record_history(std::move(whole.model.mesh), recording);
     if (!history) return history.error();
-    model = {};
+    whole.model = {};
     set_history(baked, std::move(*history));
     const mesh::Mesh source = simplify::cut(baked.history, simplify::triangle_count(simplify::view(baked.history)));
     if (!progress(recorded_share)) return ended;
 
     const metric::SurfaceIndex original(source);
     const LevelMaker maker{store, asset.id, baked, textures, source, original};
-    asset.triangles = simplify::triangle_count(simplify::view(baked.history));
+    const std::uint64_t finest = source.triangles.size();
+    if (!is_cut_from_instances) asset.triangles = finest;
     const auto measure = [&](std::uint64_t triangles) { return measure_level(maker, triangles); };
-    if (!make_all(measured_counts(asset.triangles), baked.errors, progress, recorded_share, measured_share, measure))
+    if (!make_all(measured_counts(finest), baked.errors, progress, recorded_share, measured_share, measure))
         return ended;
     baked.errors = in_order(std::move(baked.errors));
     if (asset.hierarchy) {
-        const Result<std::vector<Shell>> shells = make_shells(
+        Result<std::vector<Shell>> shells = make_shells(
             baked, source, [&](double share) { return progress(std::lerp(measured_share, shells_share, share)); });
         if (!shells) return shells.error();
+        for (Shell& shell : *shells) {
+            make_worse(shell.baked.errors, whole.error);
+            make_worse(shell.seen_errors, whole.error);
+        }
         if (Status stored = put_shells(store, asset.id, *shells); !stored) return stored.error();
     }
-    const double shown = asset.hierarchy ? shells_share : measured_share;
-    const auto making_points = [&](double share) { return progress(std::lerp(shown, points_share, share)); };
-    if (Status made = make_points(store, asset.id, baked.model, source, original, making_points); !made)
-        return made.error();
+    make_worse(baked.errors, whole.error);
+    const double done = asset.hierarchy ? shells_share : measured_share;
+    const auto making_points = [&](double share) { return progress(std::lerp(done, points_share, share)); };
+    const PointsSource points{baked.model, source, original, whole.error};
+    if (Status made = make_points(store, asset.id, points, making_points); !made) return made.error();
 
     std::vector<std::optional<Result<proto::Level>>> levels;
     const auto make = [&](std::uint64_t triangles) { return make_level(maker, triangles); };
-    if (!make_all(ladder_counts(asset.triangles), levels, progress, points_share, 1.0, make)) return ended;
+    if (!make_all(ladder_counts(finest), levels, progress, points_share, 1.0, make)) return ended;
     asset.levels.clear();
     for (std::optional<Result<proto::Level>>& level : levels) {
         if (!*level) return level->error();
@@ -267,9 +300,9 @@ Status mark_failed(store::Store& store, proto::Asset asset, const std::string& w
 
 void describe(proto::Asset& asset, const mesh::Model& model) {
     asset.kind = mesh::kind_name(model.kind);
-    asset.triangles = model.mesh.triangles.size();
-    asset.vertices = model.mesh.positions.size();
-    Box box = mesh::bounds(model.mesh);
+    asset.triangles = mesh::triangle_count(model);
+    asset.vertices = mesh::vertex_count(model);
+    Box box = mesh::bounds(model);
     if (model.kind == mesh::Kind::points)
         for (const Vec3f& p : model.mesh.positions) box.add(Vec3d(p));
     asset.bounds_min = {box.min.x + model.origin.x, box.min.y + model.origin.y, box.min.z + model.origin.z};
@@ -278,10 +311,17 @@ void describe(proto::Asset& asset, const mesh::Model& model) {
     asset.levels.clear();
 }
 
-Result<proto::Asset> prepare_stages(store::Store& store, proto::Asset asset, const mesh::Model& model) {
+Result<proto::Asset> prepare_stages(store::Store& store, proto::Asset asset, const mesh::Model& imported) {
     const std::string id = asset.id;
-    if (auto kept = store.put_content(id, imported_key, "model", serialize(model), "0"); !kept) return kept.error();
-    if (model.kind == mesh::Kind::points) return asset;
+    if (auto kept = store.put_content(id, imported_key, "model", serialize(imported), "0"); !kept) return kept.error();
+    if (imported.kind == mesh::Kind::points) return asset;
+    std::optional<WholeModel> flat;
+    if (!imported.instances.empty()) {
+        const Result<std::vector<ShapeLevels>> shapes = make_shape_levels(imported, [] { return true; });
+        if (!shapes) return shapes.error();
+        flat = whole_model(imported, *shapes);
+    }
+    const mesh::Model& model = flat ? flat->model : imported;
     std::vector<texture::ImageUse> uses = texture::image_uses(model);
     Result<texture::Ladder> ladder = texture::make_ladder(model, uses);
     if (!ladder) return ladder.error();
@@ -289,7 +329,8 @@ Result<proto::Asset> prepare_stages(store::Store& store, proto::Asset asset, con
     if (Status stored = put_textures(store, id, *ladder); !stored) return stored.error();
     const texture::Textures textures =
         texture::textures_of(*std::move(ladder), std::move(uses), texture::texel_sizes(model));
-    Result<std::vector<proto::Level>> levels = make_first_levels(store, id, model, textures);
+    Result<std::vector<proto::Level>> levels =
+        make_first_levels(store, id, model, flat ? flat->error : metric::SurfaceError{}, textures);
     if (!levels) return levels.error();
     asset.levels = *std::move(levels);
     if (Status stored = store.put_asset(asset); !stored) return stored.error();
@@ -315,7 +356,7 @@ Error of_asset(const proto::Asset& asset, const Error& error) {
 }  // namespace
 
 bool is_empty(const mesh::Model& model) {
-    return model.kind == mesh::Kind::points ? model.mesh.positions.empty() : model.mesh.triangles.empty();
+    return model.kind == mesh::Kind::points ? model.mesh.positions.empty() : mesh::triangle_count(model) == 0;
 }
 
 codec::EncodeOptions level_options(const Box& grid_bounds, const mesh::Mesh& level, const metric::SurfaceError& error,

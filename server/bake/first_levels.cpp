@@ -7,6 +7,7 @@
 #include "common/simplify/preview.h"
 #include "server/bake/bake.h"
 #include "server/bake/executor.h"
+#include "server/bake/shapes.h"
 #include "server/bake/stopwatch.h"
 #include "server/bake/textures.h"
 
@@ -37,11 +38,13 @@ Result<proto::Level> store_preview(store::Store& store, const std::string& asset
 }  // namespace
 
 Result<std::vector<proto::Level>> make_first_levels(store::Store& store, const std::string& asset_id,
-                                                    const mesh::Model& model, const texture::Textures& textures) {
+                                                    const mesh::Model& model, const metric::SurfaceError& off,
+                                                    const texture::Textures& textures) {
     std::vector<proto::Level> levels;
-    for (const simplify::Preview& preview : simplify::make_previews(model.mesh, first_level_triangles, all_cores())) {
+    for (simplify::Preview& preview : simplify::make_previews(model.mesh, first_level_triangles, all_cores())) {
         if (preview.mesh.triangles.empty()) continue;
         if (!levels.empty() && preview.mesh.triangles.size() >= levels.back().triangles) continue;
+        preview.error = sum(preview.error, off);
         Result<proto::Level> level = store_preview(store, asset_id, model, textures, preview);
         if (!level) return level.error();
         levels.push_back(*std::move(level));

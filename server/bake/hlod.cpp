@@ -10,9 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/transform.h"
+#include "common/mesh/instances.h"
 #include "common/mesh/operations.h"
 #include "common/metric/surface_distance.h"
 #include "common/scene/hierarchy.h"
+#include "common/scene/placement.h"
 #include "common/scene/surroundings.h"
 #include "server/bake/bake.h"
 #include "server/bake/executor.h"
@@ -54,20 +57,43 @@ std::vector<scene::Object> describe_objects(const mesh::Model& model, const Tria
         for (const std::uint32_t t : triangles.of(i))
             for (const std::uint32_t v : model.mesh.triangles[t]) objects[i].box.add(Vec3d(model.mesh.positions[v]));
     }
+    for (const mesh::Instance& instance : model.instances) {
+        objects[instance.object].triangles = model.shapes[instance.shape].triangles.size();
+        objects[instance.object].box = mesh::bounds(mesh::placed(model.shapes[instance.shape], instance));
+    }
     return objects;
+}
+
+constexpr std::uint32_t no_instance = 0xffffffffu;
+
+std::vector<std::uint32_t> instances_of_objects(const mesh::Model& model) {
+    std::vector<std::uint32_t> instances(model.graph.object_nodes.size(), no_instance);
+    for (std::uint32_t i = 0; i < model.instances.size(); ++i) instances[model.instances[i].object] = i;
+    return instances;
+}
+
+// What shapes are encoded with: their own coordinates begin at 0.
+mesh::Model without_place(const mesh::Model& model) {
+    mesh::Model shapes;
+    shapes.materials = model.materials;
+    shapes.images = model.images;
+    return shapes;
 }
 
 struct Tile {
     scene::LodNode node;  // without its place in the tree
     std::string hash;
     std::uint64_t bytes = 0;
+    Mat4d matrix{1.0};  // from the content's coordinates to the world's
 };
 
 // What a node of the hierarchy has become: tiles that follow each other from the finest to the coarsest, and the mesh
-// of that one until the tile above is made.
+// of that one until the tile above is made; of an instance, that is its shape's stand-in.
 struct Branch {
     std::vector<Tile> tiles;
     Surface surface;
+    double surface_error = 0.0;  // of `surface`
+    const mesh::Instance* instance = nullptr;
 };
 
 // Of a tile, among those that the branches have become.
@@ -77,27 +103,34 @@ struct Place {
 
 class TileMaker {
   public:
-    TileMaker(store::Store& store, const std::string& asset_id, const mesh::Model& model,
+    TileMaker(store::Store& store, const std::string& asset_id, const SceneParts& scene,
               const texture::Textures& textures, const std::function<bool(double)>& progress)
         : store_(store),
           asset_id_(asset_id),
-          model_(model),
+          model_(scene.model),
+          shapes_model_(without_place(scene.model)),
+          shapes_(scene.shapes),
           textures_(textures),
           progress_(progress),
-          triangles_(sort_by_object(model.mesh, model.graph.object_nodes.size())),
-          may_paint_(can_be_painted(model.materials)) {
+          triangles_(sort_by_object(model_.mesh, model_.graph.object_nodes.size())),
+          may_paint_(can_be_painted(model_.materials)) {
         scene::HierarchyOptions options;
         options.leaf_triangles = tile_triangles;
         options.max_children = max_tile_children;
-        hierarchy_ = scene::build_hierarchy(describe_objects(model, triangles_), model.graph.parents, options);
-        branches_.resize(hierarchy_.nodes.size());
+        hierarchy_ = scene::build_hierarchy(describe_objects(model_, triangles_), model_.graph.parents, options);
+        split_leaves();
         if (may_paint_ && hierarchy_.nodes.size() > 1) {
-            const scene::Surroundings around(model.mesh, scene::max_cells);
-            colors_.emplace(model, mesh::part(model.mesh, around.visible_triangles()));
+            const scene::Surroundings around(scene.whole, scene::max_cells);
+            colors_.emplace(model_, mesh::part(scene.whole, around.visible_triangles()));
         }
     }
 
     Result<TileTree> make() {
+        shape_tiles_.resize(shapes_.size());
+        all_cores()(shapes_.size(), [&](std::size_t i) {
+            if (Status made = make_shape(i); !made) stop(made.error());
+        });
+        if (error_) return *error_;
         for (const std::vector<std::uint32_t>& wave : waves()) {
             const simplify::Executor executor = all_cores(), none;
             executor(wave.size(), [&](std::size_t i) { make_branch(wave[i], wave.size() == 1 ? executor : none); });
@@ -109,6 +142,58 @@ class TileMaker {
     }
 
   private:
+    // Every instance becomes a leaf of its own, and the other objects of its leaf one more.
+    void split_leaves() {
+        const std::vector<std::uint32_t> instances = instances_of_objects(model_);
+        const auto leaves_end = static_cast<std::uint32_t>(hierarchy_.nodes.size());
+        for (std::uint32_t i = 0; i < leaves_end; ++i)
+            if (hierarchy_.nodes[i].child_count == 0) split_leaf(i, instances);
+        branches_.resize(hierarchy_.nodes.size());
+        for (std::size_t i = 0; i < branches_.size(); ++i) {
+            const scene::HierarchyNode& node = hierarchy_.nodes[i];
+            if (node.child_count > 0 || node.object_count != 1) continue;
+            const std::uint32_t instance = instances[hierarchy_.objects[node.first_object]];
+            if (instance != no_instance) branches_[i].instance = &model_.instances[instance];
+        }
+    }
+
+    void split_leaf(std::uint32_t index, const std::vector<std::uint32_t>& instances) {
+        const scene::HierarchyNode leaf = hierarchy_.nodes[index];
+        const auto begin = hierarchy_.objects.begin() + leaf.first_object, end = begin + leaf.object_count;
+        const auto first_instance =
+            std::stable_partition(begin, end, [&](std::uint32_t object) { return instances[object] == no_instance; });
+        if (leaf.object_count == 1 || first_instance == end) return;
+        const auto add = [&](std::uint32_t first, std::uint32_t count) {
+            scene::HierarchyNode child;
+            child.parent = index;
+            child.first_object = first;
+            child.object_count = count;
+            hierarchy_.nodes.push_back(child);
+        };
+        const auto first_child = static_cast<std::uint32_t>(hierarchy_.nodes.size());
+        const auto others = static_cast<std::uint32_t>(first_instance - begin);
+        if (others > 0) add(leaf.first_object, others);
+        for (std::uint32_t k = others; k < leaf.object_count; ++k) add(leaf.first_object + k, 1);
+        hierarchy_.nodes[index].first_child = first_child;
+        hierarchy_.nodes[index].child_count = static_cast<std::uint32_t>(hierarchy_.nodes.size()) - first_child;
+    }
+
+    // The tiles that all instances of a shape have, in its own coordinates.
+    Status make_shape(std::size_t index) {
+        for (const ShapeLevel& level : shapes_[index]) {
+            std::vector<Tile>& tiles = shape_tiles_[index];
+            Result<Tile> tile = store_tile({level.mesh, false}, level.error, shapes_model_,
+                                           "shape/" + std::to_string(index) + '/' + std::to_string(tiles.size()));
+            if (!tile) return tile.error();
+            const codec::QuantizationGrid grid = tile_grid(level.mesh, level.error);
+            if (!tiles.empty())
+                tile->node.error = std::max(tiles.back().node.error, level.error.max + rounding_error(grid));
+            tiles.push_back(*std::move(tile));
+            if (level.mesh.triangles.size() <= tile_triangles) break;
+        }
+        return Nothing{};
+    }
+
     // Nodes whose children are all in waves before.
     std::vector<std::vector<std::uint32_t>> waves() const {
         std::vector<std::size_t> heights(hierarchy_.nodes.size(), 0);
@@ -124,8 +209,9 @@ class TileMaker {
 
     void make_branch(std::uint32_t index, const simplify::Executor& executor) {
         if (stopped_) return;
-        const Status made =
-            hierarchy_.nodes[index].child_count == 0 ? make_leaf(index, executor) : make_inner(index, executor);
+        const Status made = branches_[index].instance                  ? make_instance(index)
+                            : hierarchy_.nodes[index].child_count == 0 ? make_leaf(index, executor)
+                                                                       : make_inner(index, executor);
         if (!made) return stop(made.error());
         if (!report(1.0)) stop(fail(ErrorCode::unavailable, "the bake was ended"));
     }
@@ -140,6 +226,27 @@ class TileMaker {
         const std::lock_guard lock(mutex_);
         done_ += nodes;
         return progress_(std::min(1.0, done_ / static_cast<double>(hierarchy_.nodes.size())));
+    }
+
+    Status make_instance(std::uint32_t index) {
+        Branch& branch = branches_[index];
+        const mesh::Instance& instance = *branch.instance;
+        const Mat4d matrix = translation(model_.origin) * instance.matrix;
+        const double scale = scene::largest_scale(matrix);
+        Box box = mesh::bounds(mesh::placed(model_.shapes[instance.shape], instance));
+        box = {box.min + model_.origin, box.max + model_.origin};
+        for (Tile tile : shape_tiles_[instance.shape]) {
+            const Box placed = scene::placed(tile.node.box, matrix);
+            if (!branch.tiles.empty()) box.add(placed.min);
+            if (!branch.tiles.empty()) box.add(placed.max);
+            tile.node.box = box;
+            tile.node.error *= scale;
+            tile.matrix = matrix;
+            branch.tiles.push_back(std::move(tile));
+        }
+        branch.surface_error =
+            std::max(branch.tiles.back().node.error, scale * stand_in(shapes_[instance.shape]).error.max);
+        return Nothing{};
     }
 
     Status make_leaf(std::uint32_t index, const simplify::Executor& executor) {
@@ -179,7 +286,10 @@ class TileMaker {
         joined.is_bare =
             std::any_of(children.begin(), children.end(), [](const Branch& child) { return child.surface.is_bare; });
         for (Branch& child : children) {
-            const Surface surface = std::exchange(child.surface, {});
+            const Surface surface =
+                child.instance
+                    ? Surface{mesh::placed(stand_in(shapes_[child.instance->shape]).mesh, *child.instance), false}
+                    : std::exchange(child.surface, {});
             mesh::append(joined.mesh, joined.is_bare && !surface.is_bare ? bare(surface.mesh) : surface.mesh);
         }
         joined.mesh = mesh::compact(mesh::part(joined.mesh, mesh::distinct_triangles(joined.mesh)));
@@ -198,6 +308,7 @@ class TileMaker {
         for (TileLevel& level : *levels) {
             if (Status added = add_tile(index, level.surface, level.error); !added) return added;
             branch.surface = std::move(level.surface);
+            branch.surface_error = branch.tiles.back().node.error;
         }
         return Nothing{};
     }
@@ -217,36 +328,44 @@ class TileMaker {
         const scene::HierarchyNode& node = hierarchy_.nodes[index];
         double error = 0.0;
         for (std::uint32_t i = 0; i < node.child_count; ++i)
-            error = std::max(error, branches_[node.first_child + i].tiles.back().node.error);
+            error = std::max(error, branches_[node.first_child + i].surface_error);
         return error;
     }
 
     // `error`: against the mesh that the branch's tiles are cut from.
     Status add_tile(std::uint32_t index, const Surface& surface, const metric::SurfaceError& error) {
-        const Box bounds = mesh::bounds(surface.mesh);
-        Tile tile;
-        tile.node.triangles = surface.mesh.triangles.size();
+        std::vector<Tile>& tiles = branches_[index].tiles;
+        Result<Tile> stored = store_tile(surface, error, model_, tile_key(index, tiles.size()));
+        if (!stored) return stored.error();
+        Tile& tile = *stored;
         tile.node.error = error.max;
         if (!tiles_below(index).empty())
             tile.node.error += source_error(index) + rounding_error(tile_grid(surface.mesh, error));
-        tile.node.box = {bounds.min + model_.origin, bounds.max + model_.origin};
         for (const Tile* below : tiles_below(index)) {
             tile.node.error = std::max(tile.node.error, below->node.error);
             tile.node.box.add(below->node.box.min);
             tile.node.box.add(below->node.box.max);
         }
+        tiles.push_back(*std::move(stored));
+        return Nothing{};
+    }
+
+    // As a tile around it alone, without an error. `model`: its materials, images and origin.
+    Result<Tile> store_tile(const Surface& surface, const metric::SurfaceError& error, const mesh::Model& model,
+                            const std::string& key) {
         Result<codec::Encoded> encoded =
-            encode_tile(surface, error, model_, texture::choose(model_, textures_, level_needs(error)).images,
+            encode_tile(surface, error, model, texture::choose(model, textures_, level_needs(error)).images,
                         colors_ ? &*colors_ : nullptr);
         if (!encoded) return encoded.error();
-        std::vector<Tile>& tiles = branches_[index].tiles;
-        Result<store::StoredFile> file =
-            store_.put_content(asset_id_, tile_key(index, tiles.size()), "glb", encoded->glb);
+        Result<store::StoredFile> file = store_.put_content(asset_id_, key, "glb", encoded->glb);
         if (!file) return file.error();
+        Tile tile;
+        const Box bounds = mesh::bounds(surface.mesh);
+        tile.node.box = {bounds.min + model.origin, bounds.max + model.origin};
+        tile.node.triangles = surface.mesh.triangles.size();
         tile.hash = file->hash;
         tile.bytes = file->bytes;
-        tiles.push_back(std::move(tile));
-        return Nothing{};
+        return tile;
     }
 
     // So that they can be changed later.
@@ -275,6 +394,7 @@ class TileMaker {
             tree.nodes.back().parent = parent;
             tree.hashes.push_back(tile.hash);
             tree.bytes.push_back(tile.bytes);
+            if (!model_.instances.empty()) tree.matrices.push_back(tile.matrix);
         };
         const auto coarsest = [&](std::uint32_t branch) {
             return Place{branch, static_cast<std::uint32_t>(branches_[branch].tiles.size() - 1)};
@@ -297,14 +417,17 @@ class TileMaker {
     store::Store& store_;
     const std::string& asset_id_;
     const mesh::Model& model_;
+    const mesh::Model shapes_model_;
+    const std::vector<ShapeLevels>& shapes_;
     const texture::Textures& textures_;
     const std::function<bool(double)>& progress_;
     TrianglesByObject triangles_;
     bool may_paint_;
     std::optional<SceneColors> colors_;
     scene::Hierarchy hierarchy_;
-    std::vector<Branch> branches_;  // of each node of the hierarchy
-    std::vector<Place> places_;     // of each tile of the tree
+    std::vector<Branch> branches_;                // of each node of the hierarchy
+    std::vector<std::vector<Tile>> shape_tiles_;  // of each shape, the finest first
+    std::vector<Place> places_;                   // of each tile of the tree
     std::atomic<bool> stopped_{false};
     std::mutex mutex_;
     double done_ = 0.0;  // nodes
@@ -313,9 +436,9 @@ class TileMaker {
 
 }  // namespace
 
-Result<TileTree> make_tiles(store::Store& store, const std::string& asset_id, const mesh::Model& model,
+Result<TileTree> make_tiles(store::Store& store, const std::string& asset_id, const SceneParts& scene,
                             const texture::Textures& textures, const std::function<bool(double)>& progress) {
-    Result<TileTree> tree = TileMaker(store, asset_id, model, textures, progress).make();
+    Result<TileTree> tree = TileMaker(store, asset_id, scene, textures, progress).make();
     if (!tree) return tree;
     if (Status valid = scene::validate(tree->nodes); !valid)
         return fail(ErrorCode::internal, "the tiles make no tree: " + valid.error().message);

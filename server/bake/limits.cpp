@@ -2,8 +2,12 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
+
+#include "common/mesh/instances.h"
+#include "server/bake/shapes.h"
 
 namespace lodestream::bake {
 
@@ -12,6 +16,12 @@ namespace {
 template <class T>
 std::uint64_t bytes_of(const std::vector<T>& vector) {
     return vector.size() * sizeof(T);
+}
+
+std::uint64_t bytes_of(const mesh::Mesh& mesh) {
+    return bytes_of(mesh.positions) + bytes_of(mesh.normals) + bytes_of(mesh.texture_coordinates) +
+           bytes_of(mesh.colors) + bytes_of(mesh.triangles) + bytes_of(mesh.triangle_materials) +
+           bytes_of(mesh.triangle_objects);
 }
 
 std::uint64_t machine_memory_bytes() {
@@ -27,16 +37,17 @@ std::string megabytes(std::uint64_t bytes) {
 }  // namespace
 
 std::uint64_t memory_bytes(const mesh::Model& model) {
-    const mesh::Mesh& mesh = model.mesh;
-    std::uint64_t bytes = bytes_of(mesh.positions) + bytes_of(mesh.normals) + bytes_of(mesh.texture_coordinates) +
-                          bytes_of(mesh.colors) + bytes_of(mesh.triangles) + bytes_of(mesh.triangle_materials) +
-                          bytes_of(mesh.triangle_objects);
+    std::uint64_t bytes = bytes_of(model.mesh) + bytes_of(model.instances);
+    for (const mesh::Mesh& shape : model.shapes) bytes += bytes_of(shape);
     for (const mesh::Image& image : model.images) bytes += image.bytes.size();
     return bytes;
 }
 
 std::uint64_t bake_memory_bytes(const mesh::Model& model) {
-    return 2 * memory_bytes(model) + bake_bytes_per_vertex * model.mesh.positions.size();
+    // Of instances only levels are ever in one mesh, which has at most three vertices a triangle.
+    const std::uint64_t instanced = mesh::vertex_count(model) - model.mesh.positions.size();
+    return 2 * memory_bytes(model) +
+           bake_bytes_per_vertex * (model.mesh.positions.size() + std::min(instanced, 3 * max_whole_triangles));
 }
 
 Status check_memory(const mesh::Model& model, const Limits& limits) {

@@ -18,7 +18,7 @@ struct Limits {
     std::uint64_t max_memory_bytes = 0;      // estimated need; 0: memory_share of the machine
 };
 
-std::uint64_t memory_bytes(const mesh::Model& model);                 // of its mesh and images
+std::uint64_t memory_bytes(const mesh::Model& model);                 // of its meshes and images
 std::uint64_t bake_memory_bytes(const mesh::Model& model);            // estimated peak of its bake
 Status check_memory(const mesh::Model& model, const Limits& limits);  // limit_exceeded, with both figures
 

@@ -8,6 +8,7 @@
 #include "common/points/resample.h"
 #include "common/points/tiles.h"
 #include "server/bake/executor.h"
+#include "server/bake/shapes.h"
 #include "server/bake/surface_colors.h"
 #include "server/bake/tile_tree.h"
 
@@ -55,6 +56,7 @@ struct Unordered {
     const mesh::Mesh& finest;
     const metric::SurfaceIndex& original;
     codec::Points content;
+    metric::SurfaceError off{};  // of `finest` itself
 };
 
 Result<codec::Points> store_ordered(store::Store& store, const std::string& asset_id, Unordered source,
@@ -70,6 +72,7 @@ Result<codec::Points> store_ordered(store::Store& store, const std::string& asse
     codec::Points& content = source.content;
     content.levels = points::measured_levels(source.original, source.finest, ordered, stoppable(measured));
     if (!goes_on) return cancelled();
+    for (points::Level& level : content.levels) level.error = sum(level.error, source.off);
     content.cloud = std::move(ordered.cloud);
     content.grid = codec::point_grid(mesh::bounds(source.finest));
     Result<codec::EncodedPoints> encoded = codec::encode_points(content);
@@ -107,8 +110,9 @@ Status store_tiles(store::Store& store, const std::string& asset_id, const codec
 
 }  // namespace
 
-Status make_points(store::Store& store, const std::string& asset_id, const mesh::Model& model, const mesh::Mesh& finest,
-                   const metric::SurfaceIndex& original, const std::function<bool(double)>& progress) {
+Status make_points(store::Store& store, const std::string& asset_id, const PointsSource& source,
+                   const std::function<bool(double)>& progress) {
+    const auto& [model, finest, original, off] = source;
     const SurfaceColors colors(model, finest);
     const std::uint64_t budget = point_budget(finest);
     const points::PointCloud cloud = make_cloud(finest, budget, colors);
@@ -116,7 +120,8 @@ Status make_points(store::Store& store, const std::string& asset_id, const mesh:
     codec::Points content;
     content.base_color = colors.constant().value_or(Vec4f(1.0f));
     content.origin = model.origin;
-    const auto stored = store_ordered(store, asset_id, {cloud, budget, finest, original, std::move(content)}, progress);
+    const auto stored =
+        store_ordered(store, asset_id, {cloud, budget, finest, original, std::move(content), off}, progress);
     return stored ? Status{Nothing{}} : Status{stored.error()};
 }
 

@@ -20,11 +20,18 @@ inline constexpr std::uint64_t max_baked_points = 300'000;
 inline constexpr std::string_view points_key = "points";  // among an asset's content
 inline constexpr std::uint64_t max_points_bytes = 1ull << 30;
 
-// Makes, measures, encodes and stores them. `model`: materials, images and origin; `finest`: its finest level, which
-// `original` indexes; `progress` is told the share done, from any thread, and returns false to cancel. Errors:
-// unavailable (cancelled), those of the codec and the store.
-Status make_points(store::Store& store, const std::string& asset_id, const mesh::Model& model, const mesh::Mesh& finest,
-                   const metric::SurfaceIndex& original, const std::function<bool(double)>& progress);
+// What an asset is resampled from.
+struct PointsSource {
+    const mesh::Model& model;              // materials, images and origin
+    const mesh::Mesh& finest;              // its finest level
+    const metric::SurfaceIndex& original;  // of that
+    metric::SurfaceError off{};            // what that is off itself
+};
+
+// Makes, measures, encodes and stores them. `progress` is told the share done, from any thread, and returns false to
+// cancel. Errors: unavailable (cancelled), those of the codec and the store.
+Status make_points(store::Store& store, const std::string& asset_id, const PointsSource& source,
+                   const std::function<bool(double)>& progress);
 
 // Likewise of a model that is a cloud itself (mesh::Kind::points): ordered, its finest max_cloud_points, measured
 // against all of them, and stored as tiles too (points::tiles_of), whose errors are the radii of the discs that they

@@ -1,10 +1,14 @@
-// The stored form of a scene's objects: magic "LODOBJS1", then the fields below in order, as stored_form.h says. All
-// arrays are those of the objects one behind the other.
+// The stored form of a scene's objects: magic "LODOBJS2", then the fields below in order, as stored_form.h says.
+// "LODOBJS1" is the same without meshes and matrices, and still read.
 #include "server/bake/scene_source.h"
 
 #include <algorithm>
+#include <numeric>
+#include <utility>
 
+#include "common/mesh/instances.h"
 #include "common/mesh/operations.h"
+#include "common/scene/placement.h"
 #include "server/bake/source_model.h"
 #include "server/bake/stored_form.h"
 
@@ -12,20 +16,20 @@ namespace lodestream::bake {
 
 namespace {
 
-constexpr std::string_view magic = "LODOBJS1";
+constexpr std::string_view magic = "LODOBJS2", older_magic = "LODOBJS1";
 
 Error damaged() {
     return invalid_input("the stored objects are damaged");
 }
 
 // Whether it rises from 0 to `end`.
-bool is_partition(std::span<const std::uint64_t> first, std::size_t objects, std::size_t end) {
-    return first.size() == objects + 1 && first.front() == 0 && first.back() == end &&
+bool is_partition(std::span<const std::uint64_t> first, std::size_t size, std::size_t end) {
+    return first.size() == size && size > 0 && first.front() == 0 && first.back() == end &&
            std::is_sorted(first.begin(), first.end());
 }
 
 template <class Stream, class Model, class Arrays>
-void describe(Stream& stream, Model& model, Arrays& arrays) {
+void describe(Stream& stream, Model& model, Arrays& arrays, bool is_older = false) {
     stream(model.materials);
     stream(model.images);
     stream(model.origin);
@@ -33,6 +37,8 @@ void describe(Stream& stream, Model& model, Arrays& arrays) {
     stream(model.graph.object_nodes);
     stream.array(arrays.boxes);
     stream.array(arrays.tiles);
+    if (!is_older) stream.array(arrays.meshes);
+    if (!is_older) stream.array(arrays.matrices);
     stream.array(arrays.first_vertex);
     stream.array(arrays.first_triangle);
     stream.array(arrays.positions);
@@ -49,6 +55,38 @@ void copy(std::span<const T> from, std::uint64_t first, std::uint64_t end, std::
         to.assign(from.begin() + static_cast<std::ptrdiff_t>(first), from.begin() + static_cast<std::ptrdiff_t>(end));
 }
 
+// Puts it behind those before.
+void add_mesh(ObjectArrays<simplify::OwnedArray>& all, const mesh::Mesh& mesh) {
+    const auto join = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    join(all.positions, mesh.positions);
+    join(all.normals, mesh.normals);
+    join(all.texture_coordinates, mesh.texture_coordinates);
+    join(all.colors, mesh.colors);
+    join(all.triangles, mesh.triangles);
+    join(all.triangle_materials, mesh.triangle_materials);
+    all.first_vertex.push_back(all.positions.size());
+    all.first_triangle.push_back(all.triangles.size());
+}
+
+Box in_world(const Box& box, const mesh::Model& model) {
+    return box.empty() ? box : Box{box.min + model.origin, box.max + model.origin};
+}
+
+void add_instances(ObjectArrays<simplify::OwnedArray>& all, const mesh::Model& model) {
+    if (model.instances.empty()) return;
+    const auto objects = static_cast<std::uint32_t>(all.boxes.size());
+    all.meshes.resize(objects);
+    std::iota(all.meshes.begin(), all.meshes.end(), 0u);
+    all.matrices.assign(objects, Mat4d(1.0));
+    for (const mesh::Mesh& shape : model.shapes) add_mesh(all, shape);
+    for (const mesh::Instance& instance : model.instances) {
+        all.boxes[instance.object] =
+            in_world(mesh::bounds(mesh::placed(model.shapes[instance.shape], instance)), model);
+        all.meshes[instance.object] = objects + instance.shape;
+        all.matrices[instance.object] = instance.matrix;
+    }
+}
+
 }  // namespace
 
 Result<store::StoredFile> put_scene_source(store::Store& store, const std::string& asset_id, const mesh::Model& model,
@@ -59,19 +97,10 @@ Result<store::StoredFile> put_scene_source(store::Store& store, const std::strin
     all.first_vertex = all.first_triangle = {0};
     for (const auto& of_object : triangles) {
         const mesh::Mesh object = mesh::part(model.mesh, of_object);
-        const Box box = mesh::bounds(object);
-        all.boxes.push_back(box.empty() ? box : Box{box.min + model.origin, box.max + model.origin});
-        all.positions.insert(all.positions.end(), object.positions.begin(), object.positions.end());
-        all.normals.insert(all.normals.end(), object.normals.begin(), object.normals.end());
-        all.texture_coordinates.insert(all.texture_coordinates.end(), object.texture_coordinates.begin(),
-                                       object.texture_coordinates.end());
-        all.colors.insert(all.colors.end(), object.colors.begin(), object.colors.end());
-        all.triangles.insert(all.triangles.end(), object.triangles.begin(), object.triangles.end());
-        all.triangle_materials.insert(all.triangle_materials.end(), object.triangle_materials.begin(),
-                                      object.triangle_materials.end());
-        all.first_vertex.push_back(all.positions.size());
-        all.first_triangle.push_back(all.triangles.size());
+        all.boxes.push_back(in_world(mesh::bounds(object), model));
+        add_mesh(all, object);
     }
+    add_instances(all, model);
     Writer writer;
     writer.magic(magic);
     describe(writer, model, all);
@@ -89,26 +118,33 @@ Result<SceneSource> SceneSource::open(const store::Store& store, const std::stri
 }
 
 Status SceneSource::read() {
+    const bool is_older = Reader(file_.bytes()).magic(older_magic);
     Reader reader(file_.bytes());
-    if (!reader.magic(magic)) return damaged();
-    describe(reader, model_, arrays_);
+    if (!reader.magic(magic) && !is_older) return damaged();
+    describe(reader, model_, arrays_, is_older);
     const std::size_t vertices = arrays_.positions.size(), objects = arrays_.tiles.size();
+    const std::size_t ends = arrays_.meshes.empty() ? objects + 1 : arrays_.first_vertex.size();
     const auto is_whole = [](std::size_t size, std::size_t count) { return size == 0 || size == count; };
     const bool sound = reader.ok() && reader.at_end() && is_forest(model_.graph) && !model_.materials.empty() &&
                        all_finite(model_.origin) && model_.graph.object_nodes.size() == objects &&
-                       arrays_.boxes.size() == objects && is_partition(arrays_.first_vertex, objects, vertices) &&
-                       is_partition(arrays_.first_triangle, objects, arrays_.triangles.size()) &&
+                       arrays_.boxes.size() == objects && is_partition(arrays_.first_vertex, ends, vertices) &&
+                       is_partition(arrays_.first_triangle, ends, arrays_.triangles.size()) &&
                        is_whole(arrays_.normals.size(), vertices) &&
                        is_whole(arrays_.texture_coordinates.size(), vertices) &&
                        is_whole(arrays_.colors.size(), vertices) &&
-                       is_whole(arrays_.triangle_materials.size(), arrays_.triangles.size());
+                       is_whole(arrays_.triangle_materials.size(), arrays_.triangles.size()) &&
+                       is_whole(arrays_.meshes.size(), objects) && is_whole(arrays_.matrices.size(), objects) &&
+                       std::ranges::all_of(arrays_.meshes, [&](std::uint32_t mesh) { return mesh < ends - 1; });
     if (!sound) return damaged();
+    for (const Mat4d& matrix : arrays_.matrices)
+        if (!scene::validate({matrix, true})) return damaged();
     return Nothing{};
 }
 
 Result<mesh::Mesh> SceneSource::mesh(std::uint32_t object) const {
-    const std::uint64_t vertex = arrays_.first_vertex[object], vertex_end = arrays_.first_vertex[object + 1];
-    const std::uint64_t triangle = arrays_.first_triangle[object], triangle_end = arrays_.first_triangle[object + 1];
+    const std::size_t at = arrays_.meshes.empty() ? object : arrays_.meshes[object];
+    const std::uint64_t vertex = arrays_.first_vertex[at], vertex_end = arrays_.first_vertex[at + 1];
+    const std::uint64_t triangle = arrays_.first_triangle[at], triangle_end = arrays_.first_triangle[at + 1];
     mesh::Mesh mesh;
     copy(arrays_.positions, vertex, vertex_end, mesh.positions);
     copy(arrays_.normals, vertex, vertex_end, mesh.normals);
@@ -120,7 +156,8 @@ Result<mesh::Mesh> SceneSource::mesh(std::uint32_t object) const {
         if (*std::max_element(t.begin(), t.end()) >= mesh.positions.size()) return damaged();
     for (const std::uint32_t material : mesh.triangle_materials)
         if (material >= model_.materials.size()) return damaged();
-    return mesh;
+    if (arrays_.matrices.empty() || arrays_.matrices[object] == Mat4d(1.0)) return mesh;
+    return mesh::placed(std::move(mesh), Vec3d(0.0), arrays_.matrices[object]);
 }
 
 }  // namespace lodestream::bake

@@ -18,22 +18,25 @@ namespace lodestream::bake {
 inline constexpr std::string_view objects_key = "objects";  // among an asset's content
 inline constexpr std::uint32_t no_tile = 0xffffffffu;
 
-// Writes the stored form. `triangles`: of each object; `tiles`: of each object the finest tile that shows it, or
-// no_tile where it has no triangles.
+// Writes the stored form; a shape of the model is in it once. `triangles`: of each object in the model's mesh, none of
+// an instance; `tiles`: of each object the finest tile that shows it, or no_tile where it has no triangles.
 Result<store::StoredFile> put_scene_source(store::Store& store, const std::string& asset_id, const mesh::Model& model,
                                            std::span<const std::span<const std::uint32_t>> triangles,
                                            const std::vector<std::uint32_t>& tiles);
 
-// What is kept of the objects, one behind the other.
+// What is kept of the objects. Meshes lie one behind the other: first of each object, of none in that of an instance,
+// then of each shape.
 template <template <class> class Array>
 struct ObjectArrays {
     Array<Box> boxes;
     Array<std::uint32_t> tiles;
-    Array<std::uint64_t> first_vertex, first_triangle;  // one more than objects
+    Array<std::uint32_t> meshes;  // of each object: which one shows it; empty: each its own
+    Array<Mat4d> matrices;  // of each object: from its mesh's coordinates to the model's; empty: none is elsewhere
+    Array<std::uint64_t> first_vertex, first_triangle;  // one more than meshes
     Array<Vec3f> positions, normals;
     Array<Vec2f> texture_coordinates;
     Array<Rgba8> colors;
-    Array<mesh::Triangle> triangles;  // of vertices counted from the object's first
+    Array<mesh::Triangle> triangles;  // of vertices counted from the mesh's first
     Array<std::uint32_t> triangle_materials;
 };
 

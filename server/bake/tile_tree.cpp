@@ -1,15 +1,17 @@
-// The stored form of a tile tree: magic "LODTILE1", then the fields below in order, as stored_form.h says.
+// The stored form of a tile tree: magic "LODTILE2", then the fields below in order, as stored_form.h says.
+// "LODTILE1" is the same without matrices, and still read.
 #include "server/bake/tile_tree.h"
 
 #include <algorithm>
 
+#include "common/scene/placement.h"
 #include "server/bake/stored_form.h"
 
 namespace lodestream::bake {
 
 namespace {
 
-constexpr std::string_view magic = "LODTILE1";
+constexpr std::string_view magic = "LODTILE2", older_magic = "LODTILE1";
 constexpr std::size_t hash_digits = 64;
 constexpr std::string_view content_prefix = "/v1/content/";
 
@@ -70,12 +72,14 @@ std::vector<std::byte> serialize(const TileTree& tree) {
         writer(tree.hashes[i]);
         writer(tree.bytes[i]);
     }
+    writer(tree.matrices);
     return std::move(writer.bytes);
 }
 
 Result<TileTree> open_tile_tree(std::span<const std::byte> bytes) {
+    const bool is_older = Reader(bytes).magic(older_magic);
     Reader reader(bytes);
-    if (!reader.magic(magic)) return damaged("they do not start with LODTILE1");
+    if (!reader.magic(magic) && !is_older) return damaged("they do not start with LODTILE2");
     std::uint64_t count = 0;
     reader(count);
     TileTree tree;
@@ -84,9 +88,13 @@ Result<TileTree> open_tile_tree(std::span<const std::byte> bytes) {
         reader(tree.hashes.emplace_back());
         reader(tree.bytes.emplace_back());
     }
+    if (!is_older) reader(tree.matrices);
     if (!reader.ok() || !reader.at_end()) return damaged("they end too early or too late");
     if (Status valid = scene::validate(tree.nodes); !valid) return damaged(valid.error().message);
     if (!std::all_of(tree.hashes.begin(), tree.hashes.end(), is_hash)) return damaged("a content's name is no hash");
+    if (!tree.matrices.empty() && tree.matrices.size() != tree.nodes.size()) return damaged("some have no place");
+    for (const Mat4d& matrix : tree.matrices)
+        if (Status valid = scene::validate({matrix, true}); !valid) return damaged("a place " + valid.error().message);
     return tree;
 }
 

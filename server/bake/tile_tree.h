@@ -20,6 +20,8 @@ struct TileTree {
     std::vector<std::string> hashes;   // of each node: its content among the store's files, as .glb
     std::vector<std::uint64_t> bytes;  // of each node's content
     bool is_additive = false;          // of a cloud: tiles are drawn beside those above them
+    // Of each node's content: from its own coordinates to the world's; empty: all are in the world's.
+    std::vector<Mat4d> matrices{};
 };
 
 inline constexpr std::string_view tiles_key = "tiles";  // of the tree among an asset's content
@@ -30,7 +32,7 @@ inline std::string tile_key(std::uint64_t node, std::uint64_t level) {
 }
 
 std::vector<std::byte> serialize(const TileTree& tree);
-// Hostile bytes: the tree is validated (scene::validate), hashes are hexadecimal.
+// Hostile bytes: tree and matrices are validated (scene::validate), hashes are hexadecimal.
 Result<TileTree> open_tile_tree(std::span<const std::byte> bytes);
 
 // The tree that a bake has stored, or, of an asset of one object, the chain of its levels.

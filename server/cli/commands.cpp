@@ -6,9 +6,11 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <span>
 
+#include "common/mesh/instances.h"
 #include "proto/records.h"
 #include "proto/tileset.h"
 #include "server/bake/bake.h"
@@ -265,16 +267,23 @@ Status tileset(const TilesetArguments& arguments) {
         return archive ? archive->add(name, bytes) : write_file(arguments.out / name, bytes);
     };
     std::uint64_t bytes = 0;
+    std::map<std::string, std::string> names;  // of contents, by hash
     for (std::size_t i = 0; i < tiles->nodes.size(); ++i) {
+        const auto [name, is_new] = names.try_emplace(tiles->hashes[i], "tile-" + std::to_string(i) + ".glb");
+        if (!is_new) {
+            tiles->hashes[i] = name->second;
+            continue;
+        }
         Result<store::StoredFile> file = store->file(tiles->hashes[i], "glb");
         if (!file) return file.error();
         Result<std::vector<std::byte>> content = store::read_file(file->path, file->bytes);
         if (!content) return content.error();
-        tiles->hashes[i] = "tile-" + std::to_string(i) + ".glb";
+        tiles->hashes[i] = name->second;
         if (Status written = put(tiles->hashes[i], *content); !written) return written;
         bytes += content->size();
     }
-    const std::string json = proto::to_json({tiles->nodes, tiles->hashes, tiles->bytes, tiles->is_additive});
+    const std::string json =
+        proto::to_json({tiles->nodes, tiles->hashes, tiles->bytes, tiles->is_additive, tiles->matrices});
     if (Status written = put("tileset.json", std::as_bytes(std::span(json))); !written) return written;
     if (archive)
         if (Status finished = archive->finish(); !finished) return finished;
@@ -286,6 +295,12 @@ Status tileset(const TilesetArguments& arguments) {
 Status sample(const SampleArguments& arguments) {
     Result<mesh::Model> model = samples::make_sample(arguments.sample);
     if (!model) return model.error();
+    const std::uint64_t triangles = mesh::triangle_count(*model);
+    if (triangles > samples::max_sample_triangles)
+        return fail(ErrorCode::limit_exceeded, "sample \"" + arguments.sample + "\" has " + std::to_string(triangles) +
+                                                   " triangles, a file at most " +
+                                                   std::to_string(samples::max_sample_triangles));
+    model->mesh = mesh::flattened(*model, model->shapes);
     Result<Written> written = write_model(arguments.out, *model, 0.0, {});
     if (!written) return written.error();
     std::printf("%s: %llu triangles, %llu vertices, %llu bytes\n", arguments.out.c_str(),

@@ -400,7 +400,7 @@ Result<proto::Tileset> Service::Impl::tileset_now(const proto::Asset& asset) {
     if (!tiles) return tiles.error();
     for (std::string& hash : tiles->hashes) hash = bake::content_url(hash);
     return proto::Tileset{std::move(tiles->nodes), std::move(tiles->hashes), std::move(tiles->bytes),
-                          tiles->is_additive};
+                          tiles->is_additive, std::move(tiles->matrices)};
 }
 
 Response Service::Impl::tileset(Request& request, const std::string& id) {

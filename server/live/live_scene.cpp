@@ -66,6 +66,7 @@ LiveScene::LiveScene(store::Store& store, std::string asset_id, std::string tile
         const scene::LodNode& node = tiles.nodes[i];
         Tile& tile = tiles_.emplace_back();
         tile.content = {tiles.hashes[i], tiles.bytes[i], node.triangles, node.error, node.box, nullptr};
+        if (!tiles.matrices.empty()) tile.content.matrix = tiles.matrices[i];
         tile.parent = node.parent;
         tile.first_child = node.first_child;
         tile.child_count = node.child_count;
@@ -320,7 +321,7 @@ proto::Tileset LiveScene::tileset() const {
         added.parent = parent;
         tileset.uris.push_back(bake::content_url(content.hash));
         tileset.bytes.push_back(content.bytes);
-        tileset.matrices.push_back(placement.matrix);
+        tileset.matrices.push_back(placement.matrix * content.matrix);
         tileset.scene_nodes.push_back(node);
         tileset.ids.push_back(id);
     };

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/base/transform.h"
 #include "common/codec/level_codec.h"
 #include "common/mesh/operations.h"
 #include "common/scene/lod_tree.h"
@@ -40,14 +41,14 @@ class Joined {
   public:
     explicit Joined(const Vec3d& origin) { model_.origin = origin; }
 
+    // `matrix`: from the content's coordinates to where it is now.
     void add(const codec::Decoded& content, const Mat4d& matrix) {
         std::vector<std::uint32_t> materials;
         for (const mesh::Material& material : content.materials) materials.push_back(add(material, content.images));
-        const Vec3d offset = content.origin - model_.origin;
-        const bool stays = matrix == Mat4d(1.0);
+        const Mat4d from_content = translation(-model_.origin) * matrix * translation(content.origin);
+        const bool stays = from_content == Mat4d(1.0);
         for (const codec::Primitive& primitive : content.primitives) {
-            mesh::Mesh mesh = stays ? primitive.mesh : mesh::placed(primitive.mesh, content.origin, matrix);
-            for (Vec3f& position : mesh.positions) position = Vec3f(Vec3d(position) + offset);
+            mesh::Mesh mesh = stays ? primitive.mesh : mesh::placed(primitive.mesh, Vec3d(0.0), from_content);
             mesh.triangle_materials.assign(mesh.triangles.size(), materials[primitive.material]);
             append(std::move(mesh));
         }
@@ -104,7 +105,7 @@ Result<mesh::Model> join(const store::Store& store, const Vec3d& origin, std::sp
         if (!glb) return glb.error();
         const Result<codec::Decoded> content = codec::decode_level(*glb);
         if (!content) return content.error();
-        joined.add(*content, placed.placement.matrix);
+        joined.add(*content, placed.placement.matrix * placed.content.matrix);
     }
     return std::move(joined).finish();
 }

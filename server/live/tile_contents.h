@@ -23,6 +23,7 @@ struct Content {
     double error = 0.0;  // model units: what it is off from the objects as they were when it was made
     Box box;             // world axes
     FileKeeper keeper;   // none where a bake has stored it
+    Mat4d matrix{1.0};   // from its own coordinates to those of the world as the source has it
 };
 
 struct PlacedObject {

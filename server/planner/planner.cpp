@@ -33,7 +33,7 @@ std::uint64_t geometry_bytes(const proto::Level& level) {
 
 budget::AssetCost cost_of(const proto::Asset& asset, const texture::Choice& textures) {
     budget::AssetCost cost;
-    cost.triangles = asset.triangles;
+    cost.triangles = asset.levels.empty() ? asset.triangles : asset.levels.front().triangles;
     cost.fixed_bytes = textures.bytes;
     for (const proto::Level& level : asset.levels) cost.sizes.push_back({level.triangles, geometry_bytes(level)});
     return cost;

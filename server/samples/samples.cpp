@@ -13,8 +13,9 @@ struct Spec {
 };
 
 Error wrong_spec(std::string_view spec) {
-    return invalid_input("sample \"" + std::string(spec.substr(0, 40)) +
-                         "\" is not known: write teapot[:triangles], terrain[:vertices] or ship[:objects]");
+    return invalid_input(
+        "sample \"" + std::string(spec.substr(0, 40)) +
+        "\" is not known: write teapot[:triangles], terrain[:vertices], ship[:objects] or fine-ship[:objects]");
 }
 
 std::optional<Spec> parse(std::string_view spec) {
@@ -34,6 +35,7 @@ Result<mesh::Model> make_sample(std::string_view spec) {
     if (parsed && parsed->name == "teapot") return teapot(parsed->count.value_or(teapot_triangles));
     if (parsed && parsed->name == "terrain") return terrain(parsed->count.value_or(terrain_vertices));
     if (parsed && parsed->name == "ship") return ship(parsed->count.value_or(ship_objects));
+    if (parsed && parsed->name == "fine-ship") return fine_ship(parsed->count.value_or(max_ship_objects));
     return wrong_spec(spec);
 }
 

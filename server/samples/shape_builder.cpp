@@ -93,6 +93,7 @@ void ShapeBuilder::prism(const Frame& frame, std::span<const Vec2d> left, std::s
 }
 
 void ShapeBuilder::lathe(const Frame& frame, std::span<const Vec2d> profile, int sides) {
+    sides *= roundness_;
     for (std::size_t i = 0; i + 1 < profile.size(); ++i) {
         const Vec2d low = profile[i], high = profile[i + 1], edge = high - low;
         std::vector<std::uint32_t> ring;
@@ -138,6 +139,7 @@ void ShapeBuilder::pipe(std::span<const Vec3d> path, double radius, int sides) {
 }
 
 std::vector<std::uint32_t> ShapeBuilder::ring_around(const Frame& frame, double radius, int sides) {
+    sides *= roundness_;
     std::vector<std::uint32_t> ring;
     for (int k = 0; k < sides; ++k) {
         const double angle = 2 * pi * k / sides;

@@ -27,6 +27,9 @@ Frame moved(const Frame& frame, const Vec3d& local_offset);
 
 class ShapeBuilder {
   public:
+    // Rods, pipes and lathed shapes get so many times the sides that they are asked for.
+    explicit ShapeBuilder(int roundness = 1) : roundness_(roundness) {}
+
     void use_material(std::uint32_t material) { material_ = material; }
     void begin_object() { ++objects_; }  // of what is added from now on
     std::uint32_t objects() const { return objects_; }
@@ -66,6 +69,7 @@ class ShapeBuilder {
     void flat_quad(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
 
     mesh::Mesh mesh_;
+    const int roundness_;
     std::uint32_t material_ = 0;
     std::uint32_t objects_ = 0;
 };

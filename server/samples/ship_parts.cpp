@@ -133,6 +133,26 @@ Frame on_deck(const ShipPlan& plan, double t, int side, double inset_m) {
     return turned_at({plan.x(t) + stem_overhang(plan, t, y), y, side * z}, side > 0 ? 0 : pi);
 }
 
+Frame container_place(const ShipPlan& plan, int bay, int row, int tier) {
+    const double z = (row - 0.5 * (plan.rows - 1)) * ShipPlan::row_pitch_m;
+    return {{plan.bay_x(bay), plan.stack_y() + tier * ShipPlan::container_height_m, z}};
+}
+
+Frame window_place(const ShipPlan& plan, double position, int level, bool aft) {
+    const double shrink = 1 - 0.02 * level, facing = aft ? -1 : 1;
+    return {{plan.house_x() + facing * 0.5 * plan.house_length() * shrink,
+             plan.deck_y(0.11) + (level + 0.55) * ShipPlan::level_height_m,
+             (position - 0.5) * (plan.house_width() - 2.4) * shrink}};
+}
+
+Frame ladder_place(const ShipPlan& plan, int level, int side, double position) {
+    const double shrink = 1 - 0.02 * level;
+    return turned_at(
+        {plan.house_x() + (position - 0.5) * 0.7 * plan.house_length(),
+         plan.deck_y(0.11) + level * ShipPlan::level_height_m, side * (0.5 * plan.house_width() * shrink + 0.25)},
+        0);
+}
+
 void add_hull(ShapeBuilder& builder, const ShipPlan& plan) {
     const HullSide hull = starboard(plan);
     use(builder, Paint::antifouling);
@@ -377,8 +397,7 @@ void add_hatch_cover(ShapeBuilder& builder, const ShipPlan& plan, int bay, int h
     builder.box(moved(frame, {0, 1.64, 0}), {ShipPlan::bay_pitch_m - 0.4, 0.28, width - 0.06});
 }
 
-void add_container(ShapeBuilder& builder, const ShipPlan& plan, int bay, int row, int tier, Paint paint) {
-    constexpr int waves = 3;
+void add_container(ShapeBuilder& builder, const Frame& frame, Paint paint, int waves) {
     constexpr double depth_m = 0.12, door_m = 0.35;
     const double half_length = ShipPlan::container_length_m / 2, half_width = ShipPlan::container_width_m / 2;
     const double wave = (2 * half_length - 2 * door_m) / waves;
@@ -393,37 +412,30 @@ void add_container(ShapeBuilder& builder, const ShipPlan& plan, int bay, int row
     left.emplace_back(half_length, -half_width);
     std::vector<Vec2d> right = left;
     for (Vec2d& p : right) p.y = -p.y;
-    const double z = (row - 0.5 * (plan.rows - 1)) * ShipPlan::row_pitch_m;
     use(builder, paint);
-    builder.prism({{plan.bay_x(bay), plan.stack_y() + tier * ShipPlan::container_height_m, z}}, left, right,
-                  ShipPlan::container_height_m - 0.04);
+    builder.prism(frame, left, right, ShipPlan::container_height_m - 0.04);
 }
 
-void add_railing(ShapeBuilder& builder, const ShipPlan& plan, double from_t, double to_t, int side) {
-    constexpr int posts = 3;
+void add_railing(ShapeBuilder& builder, const std::array<Vec3d, railing_posts + 1>& feet) {
     constexpr double height_m = 1.1;
     use(builder, Paint::white);
-    std::vector<Vec3d> feet;
-    for (int i = 0; i <= posts; ++i)
-        feet.push_back(on_deck(plan, std::lerp(from_t, to_t, static_cast<double>(i) / posts), side, 0.15).origin);
-    for (int i = 0; i < posts; ++i) builder.rod(feet[i], feet[i] + Vec3d{0, height_m, 0}, 0.035, 4);
+    for (std::size_t i = 0; i < railing_posts; ++i) builder.rod(feet[i], feet[i] + Vec3d{0, height_m, 0}, 0.035, 4);
     for (const double level : {0.4, 0.75, 1.1}) {
-        std::vector<Vec3d> rail = feet;
+        auto rail = feet;
         for (Vec3d& p : rail) p.y += level;
         builder.pipe(rail, 0.025, 4);
     }
 }
 
-void add_pipe_run(ShapeBuilder& builder, const ShipPlan& plan, double from_t, double to_t, int side, int lane,
-                  double radius_m) {
-    const double inset = 1.0 + 0.45 * lane;
-    const auto at = [&](double t, double up) { return on_deck(plan, t, side, inset).origin + Vec3d{0, up, 0}; };
-    const double third = (to_t - from_t) / 3, low = 0.5, high = low + std::min(0.4, 0.3 * third * plan.length);
-    const std::array<Vec3d, 6> path{{at(from_t, low), at(from_t + third, low), at(from_t + 1.1 * third, high),
-                                     at(from_t + 1.5 * third, high), at(from_t + 1.6 * third, low), at(to_t, low)}};
+void add_pipe_run(ShapeBuilder& builder, const std::function<Vec3d(double, double)>& at, double from, double to,
+                  double length_m, int lane, double radius_m) {
+    const double third = (to - from) / 3, third_m = length_m / 3;
+    const double low = 0.5, high = low + std::min(0.4, 0.3 * third_m);
+    const std::array<Vec3d, 6> path{{at(from, low), at(from + third, low), at(from + 1.1 * third, high),
+                                     at(from + 1.5 * third, high), at(from + 1.6 * third, low), at(to, low)}};
     use(builder, lane % 2 == 0 ? Paint::steel : Paint::green);
-    builder.pipe(path, std::min(radius_m, 0.1 * third * plan.length), 8);
-    for (const double t : {from_t, from_t + 0.5 * third, from_t + 2.2 * third}) {
+    builder.pipe(path, std::min(radius_m, 0.1 * third_m), 8);
+    for (const double t : {from, from + 0.5 * third, from + 2.2 * third}) {
         const Vec3d foot = at(t, 0);
         builder.rod(foot, foot + Vec3d{0, 0.5, 0}, 0.06, 4);
     }
@@ -437,11 +449,7 @@ void add_bollard(ShapeBuilder& builder, const Frame& frame) {
               {{0.2, 0}, {0.2, 0.55}, {0.28, 0.62}, {0.28, 0.72}, {0.2, 0.78}, {0, 0.78}}, 10);
 }
 
-void add_window(ShapeBuilder& builder, const ShipPlan& plan, double position, int level, bool aft) {
-    const double shrink = 1 - 0.02 * level, facing = aft ? -1 : 1;
-    const Frame frame{{plan.house_x() + facing * 0.5 * plan.house_length() * shrink,
-                       plan.deck_y(0.11) + (level + 0.55) * ShipPlan::level_height_m,
-                       (position - 0.5) * (plan.house_width() - 2.4) * shrink}};
+void add_window(ShapeBuilder& builder, const Frame& frame) {
     use(builder, Paint::steel);
     builder.box(frame, {0.12, 1.0, 0.9});
     use(builder, Paint::glass);
@@ -464,12 +472,9 @@ void add_lamp(ShapeBuilder& builder, const Frame& frame) {
     builder.box(moved(frame, {0, 4.55, -1.0}), {0.5, 0.2, 0.4});
 }
 
-void add_ladder(ShapeBuilder& builder, const ShipPlan& plan, int level, int side, double position) {
+void add_ladder(ShapeBuilder& builder, const Frame& frame) {
     constexpr int rungs = 8;
-    const double shrink = 1 - 0.02 * level, h = ShipPlan::level_height_m;
-    const Frame frame = turned_at({plan.house_x() + (position - 0.5) * 0.7 * plan.house_length(),
-                                   plan.deck_y(0.11) + level * h, side * (0.5 * plan.house_width() * shrink + 0.25)},
-                                  0);
+    constexpr double h = ShipPlan::level_height_m;
     use(builder, Paint::yellow);
     for (const double x : {-0.25, 0.25}) builder.rod(frame.point({x, 0, 0}), frame.point({x, h, 0}), 0.035, 4);
     for (int i = 0; i < rungs; ++i) {

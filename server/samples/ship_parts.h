@@ -1,7 +1,9 @@
 // What a cargo ship is made of. Each function adds one object.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <random>
 
 #include "server/samples/shape_builder.h"
@@ -47,6 +49,10 @@ struct ShipPlan {
     static constexpr double bay_pitch_m = 6.8, row_pitch_m = 2.54;
 };
 
+Frame container_place(const ShipPlan& plan, int bay, int row, int tier);
+Frame window_place(const ShipPlan& plan, double position, int level, bool aft);
+Frame ladder_place(const ShipPlan& plan, int level, int side, double position);
+
 // A place on the deck: `t` along the ship, `side` -1 port or +1 starboard, `inset_m` from the deck's edge.
 Frame on_deck(const ShipPlan& plan, double t, int side, double inset_m);
 
@@ -66,15 +72,17 @@ void add_winch(ShapeBuilder& builder, const Frame& frame);
 void add_radar(ShapeBuilder& builder, const ShipPlan& plan, int which, double bearing);
 void add_radome(ShapeBuilder& builder, const ShipPlan& plan, int side);
 void add_hatch_cover(ShapeBuilder& builder, const ShipPlan& plan, int bay, int half);
-void add_container(ShapeBuilder& builder, const ShipPlan& plan, int bay, int row, int tier, Paint paint);
-void add_railing(ShapeBuilder& builder, const ShipPlan& plan, double from_t, double to_t, int side);
-void add_pipe_run(ShapeBuilder& builder, const ShipPlan& plan, double from_t, double to_t, int side, int lane,
-                  double radius_m);
+void add_container(ShapeBuilder& builder, const Frame& frame, Paint paint, int waves);
+constexpr int railing_posts = 3;
+void add_railing(ShapeBuilder& builder, const std::array<Vec3d, railing_posts + 1>& feet);  // along a deck's edge
+// `at`: the place so far along the deck's edge and so high. From one place along it to another, `length_m` in metres.
+void add_pipe_run(ShapeBuilder& builder, const std::function<Vec3d(double, double)>& at, double from, double to,
+                  double length_m, int lane, double radius_m);
 void add_bollard(ShapeBuilder& builder, const Frame& frame);
-void add_window(ShapeBuilder& builder, const ShipPlan& plan, double position, int level, bool aft);
+void add_window(ShapeBuilder& builder, const Frame& frame);
 void add_vent(ShapeBuilder& builder, const Frame& frame, double height_m);
 void add_lamp(ShapeBuilder& builder, const Frame& frame);
-void add_ladder(ShapeBuilder& builder, const ShipPlan& plan, int level, int side, double position);
+void add_ladder(ShapeBuilder& builder, const Frame& frame);
 void add_life_ring(ShapeBuilder& builder, const Frame& frame);
 
 }  // namespace lodestream::samples

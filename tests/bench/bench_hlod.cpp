@@ -7,18 +7,22 @@
 #include <iostream>
 #include <optional>
 
+#include "client/report/machine.h"
 #include "common/base/random.h"
 #include "common/mesh/operations.h"
 #include "common/metric/surface_distance.h"
 #include "common/scene/select.h"
 #include "common/simplify/history.h"
+#include "server/bake/bake.h"
 #include "server/bake/hlod.h"
 #include "server/bake/scene_colors.h"
 #include "server/bake/shells.h"
 #include "server/importer/importer.h"
 #include "server/samples/samples.h"
+#include "tests/bench/fit.h"
 #include "tests/bench/judge.h"
 #include "tests/bench/methods.h"
+#include "tests/bench/scenes_json.h"
 #include "tests/bench/stopwatch.h"
 #include "tests/bench/table.h"
 #include "tests/support/temporary_folder.h"
@@ -33,6 +37,7 @@ struct Arguments {
     std::vector<std::uint64_t> budgets{1'920, 7'680, 30'000};
     std::string picture_folder;
     std::vector<std::uint64_t> growth;
+    std::string json_file;
     std::vector<double> tolerances_px;
     std::size_t views = 500;
 };
@@ -40,7 +45,9 @@ struct Arguments {
 constexpr std::string_view sample_prefix = "sample:";
 constexpr double target_ratio = 0.5;            // of the image error to a peer's
 constexpr double target_within_percent = 99.0;  // of the pixels, in image-quality mode
-constexpr int alike_steps = 26;                 // a tenth of white, in each channel
+constexpr double target_power = 1.1;            // of bake time by objects: near linear
+constexpr const char* grown_scene = "fine-ship";
+constexpr int alike_steps = 26;  // a tenth of white, in each channel
 
 mesh::Model load(const std::string& scene) {
     Result<mesh::Model> model = scene.starts_with(sample_prefix)
@@ -104,7 +111,7 @@ class Hierarchy {
         const Stopwatch watch;
         const auto goes_on = [](double) { return true; };
         Result<bake::TileTree> tree = store_.put_asset(asset).ok()
-                                          ? bake::make_tiles(store_, asset.id, model, {}, goes_on)
+                                          ? bake::make_tiles(store_, asset.id, {model, {}, model.mesh}, {}, goes_on)
                                           : fail(ErrorCode::io, "the store takes no asset");
         if (!tree) throw std::runtime_error(tree.error().message);
         tree_ = *std::move(tree);
@@ -396,19 +403,46 @@ void judge_quality(const Arguments& arguments) {
         arguments.scene.c_str(), views.size(), to_text(rows).c_str(), target_within_percent);
 }
 
-// Ships of more and more objects.
-void grow(const std::vector<std::uint64_t>& counts) {
-    std::vector<TableRow> rows{{"objects", "triangles", "tiles", "wall s", "CPU s", "CPU us/triangle"}};
+proto::SceneBake bake_ship(std::uint64_t objects) {
+    Result<mesh::Model> model = samples::fine_ship(objects);
+    if (!model) throw std::runtime_error(model.error().message);
+    const testing::TemporaryFolder folder;
+    store::Store store = *store::Store::open(folder.path());
+    proto::Asset asset;
+    asset.id = asset.name = grown_scene;
+    const Stopwatch watch;
+    const Result<proto::Asset> baked = bake::bake(store, asset, *std::move(model));
+    const Duration took = watch.elapsed();
+    if (!baked) throw std::runtime_error(baked.error().message);
+    const proto::Hierarchy tree = baked->hierarchy.value_or(proto::Hierarchy{});
+    return {grown_scene, objects,      baked->triangles,        tree.tiles, tree.bytes, took.wall_ms,
+            took.cpu_ms, tree.bake_ms, baked->peak_memory_bytes};
+}
+
+// Ships of more and more objects, the fewest first: the most memory that the process had is the last one's.
+proto::SceneRun grow(std::vector<std::uint64_t> counts) {
+    std::sort(counts.begin(), counts.end());
+    proto::SceneRun run;
+    std::vector<TableRow> rows{{"objects", "triangles", "tiles", "MB of tiles", "wall s", "of that tiles", "CPU s",
+                                "CPU us/triangle", "peak MB"}};
+    std::vector<Sample> by_logarithm;
     for (const std::uint64_t count : counts) {
-        const mesh::Model model = load("sample:ship:" + std::to_string(count));
-        const Hierarchy hierarchy(model);
-        const auto triangles = static_cast<double>(model.mesh.triangles.size());
-        rows.push_back({std::to_string(count), std::to_string(model.mesh.triangles.size()),
-                        std::to_string(hierarchy.tree().nodes.size()), fixed(1e-3 * hierarchy.baked().wall_ms, 2),
-                        fixed(1e-3 * hierarchy.baked().cpu_ms, 2),
-                        fixed(1e3 * hierarchy.baked().cpu_ms / triangles, 2)});
+        const proto::SceneBake bake = bake_ship(count);
+        rows.push_back({std::to_string(count), std::to_string(bake.triangles), std::to_string(bake.tiles),
+                        fixed(1e-6 * static_cast<double>(bake.bytes), 1), fixed(1e-3 * bake.wall_ms, 2),
+                        fixed(1e-3 * bake.tiles_ms, 2), fixed(1e-3 * bake.cpu_ms, 2),
+                        fixed(1e3 * bake.cpu_ms / static_cast<double>(bake.triangles), 2),
+                        fixed(1e-6 * static_cast<double>(bake.peak_memory_bytes), 0)});
+        std::printf("%s\n", rows.back().front().c_str());
+        std::fflush(stdout);
+        by_logarithm.push_back({std::log(static_cast<double>(count)), std::log(bake.cpu_ms)});
+        run.bakes.push_back(bake);
     }
     std::printf("%s", to_text(rows).c_str());
+    if (counts.front() < counts.back())
+        std::printf("CPU time grows with the %.2f-th power of the objects (target: at most %.1f)\n",
+                    fit_line(by_logarithm).slope, target_power);
+    return run;
 }
 
 }  // namespace
@@ -425,15 +459,19 @@ int main(int argc, char** argv) {
     app.add_option("--quality", arguments.tolerances_px,
                    "instead: pixels within these tolerances of image-quality mode, px");
     app.add_option("--views", arguments.views, "of --quality")->capture_default_str();
-    app.add_option("--growth", arguments.growth, "instead: bake ships of so many objects");
+    app.add_option("--growth", arguments.growth, "instead: bake fine ships of so many objects");
+    app.add_option("--json", arguments.json_file, "of --growth: a file for `lodestream-client report --scenes`");
     CLI11_PARSE(app, argc, argv);
     try {
-        if (!arguments.growth.empty())
-            lodestream::bench::grow(arguments.growth);
-        else if (!arguments.tolerances_px.empty())
+        if (!arguments.growth.empty()) {
+            const lodestream::proto::SceneRun run = lodestream::bench::grow(arguments.growth);
+            if (!arguments.json_file.empty())
+                lodestream::bench::write_scene_run(arguments.json_file, lodestream::report::joined(argc, argv), run);
+        } else if (!arguments.tolerances_px.empty())
             lodestream::bench::judge_quality(arguments);
-        else
+        else {
             lodestream::bench::compare(arguments);
+        }
         return 0;
     } catch (const std::exception& error) {
         std::cerr << "lodestream_bench_hlod: " << error.what() << std::endl;

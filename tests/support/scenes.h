@@ -1,6 +1,7 @@
 // Small constructed scenes of several objects.
 #pragma once
 
+#include "common/base/transform.h"
 #include "common/mesh/operations.h"
 #include "tests/support/meshes.h"
 
@@ -35,6 +36,24 @@ inline mesh::Model spheres(std::uint32_t side, std::uint32_t n) {
     for (std::uint32_t row = 0; row < side; ++row)
         for (std::uint32_t column = 0; column < side; ++column)
             add_object(model, moved(sphere(n), 3.0f * Vec3f(column, 0, row)));
+    return model;
+}
+
+// The same, all but those of the first row instances of one shape, every second one mirrored.
+inline mesh::Model instanced_spheres(std::uint32_t side, std::uint32_t n) {
+    mesh::Model model = empty_scene();
+    model.shapes.push_back(sphere(n));
+    for (std::uint32_t row = 0; row < side; ++row)
+        for (std::uint32_t column = 0; column < side; ++column) {
+            const Vec3d place = 3.0 * Vec3d(column, 0, row);
+            if (row == 0) {
+                add_object(model, moved(sphere(n), Vec3f(place)));
+                continue;
+            }
+            const Vec3d scale(column % 2 == 0 ? 1 : -1, 1, 1);
+            model.instances.push_back({model.objects++, 0, matrix_of(place, {0, 0, 0, 1}, scale)});
+            model.graph.object_nodes.push_back(0);
+        }
     return model;
 }
 

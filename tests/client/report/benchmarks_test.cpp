@@ -55,6 +55,14 @@ constexpr const char* points_of_a_bunny = R"({
                 "paper_gain": 1.1}],
     "pictures": [{"title": "crowd", "png": "aGk="}, {"title": "slices", "png": "aG8="}]}]})";
 
+constexpr const char* two_ships = R"({
+  "run": {"command": "bench --growth <x>", "commit": "abc", "date": "2026-01-02T03:04:05Z", "cpu": "a CPU", "cores": 2},
+  "models": [{"model": "ship", "bakes": [
+    {"objects": 10, "triangles": 1000, "tiles": 3, "bytes": 500, "wall_ms": 60.0, "cpu_ms": 100.0, "tiles_ms": 20.0,
+     "peak_memory_bytes": 7000},
+    {"objects": 100, "triangles": 10000, "tiles": 30, "bytes": 5000, "wall_ms": 700.0, "cpu_ms": 1500.0,
+     "tiles_ms": 200.0, "peak_memory_bytes": 70000}]}]})";
+
 class WithFile : public ::testing::Test {
   protected:
     std::filesystem::path holding(const std::string& text) const {
@@ -80,6 +88,11 @@ class Codecs : public WithFile {
 class PointRuns : public WithFile {
   protected:
     Result<proto::PointsRun> read(const std::string& text) const { return read_points(holding(text)); }
+};
+
+class SceneRuns : public WithFile {
+  protected:
+    Result<proto::SceneRun> read(const std::string& text) const { return read_scenes(holding(text)); }
 };
 
 TEST_F(Methods, AreReadWithWhereTheyWereMeasured) {
@@ -190,6 +203,33 @@ TEST_F(PointRuns, AnythingElseIsRefusedWithItsPlace) {
     not_base64.replace(not_base64.find("aGk="), 4, "\\\"><b");
     for (const std::string& text : {std::string("{}"), std::string(R"({"models": [{"scores": 3}]})"), not_base64}) {
         const Result<proto::PointsRun> refused = read(text);
+        ASSERT_FALSE(refused) << text;
+        EXPECT_EQ(refused.error().code, ErrorCode::invalid_input);
+        EXPECT_THAT(refused.error().message, HasSubstr("benchmark.json"));
+    }
+}
+
+TEST_F(SceneRuns, PlotBakeTimesBesideAStraightLine) {
+    const Result<proto::SceneRun> run = read(two_ships);
+    ASSERT_TRUE(run) << run.error().message;
+    const Section section = scenes_section(*run);
+    EXPECT_EQ(section.rows.rows.size(), 2u);
+    EXPECT_EQ(first_cell(section.rows, "cpu_us_per_triangle"), Cell(100.0));
+    EXPECT_EQ(first_cell(section.rows, "peak_memory_bytes"), Cell(std::uint64_t{7000}));
+    ASSERT_EQ(section.plots.size(), 1u);
+    ASSERT_EQ(section.plots[0].series.size(), 2u);
+    EXPECT_EQ(section.plots[0].series[0].points[1].y, 1.5);
+    EXPECT_EQ(section.plots[0].series[1].points[1].y, 1.0);
+    EXPECT_THAT(section.text_html, HasSubstr("bench --growth &lt;x&gt;"));
+
+    ReportData data = testing::report_data();
+    data.scenes = *run;
+    EXPECT_EQ(sections(data).size(), sections(testing::report_data()).size() + 1);
+}
+
+TEST_F(SceneRuns, AnythingElseIsRefusedWithItsPlace) {
+    for (const char* text : {"{}", R"({"models": [{"model": "ship", "bakes": [{"objects": 3}]}]})", "\xff"}) {
+        const Result<proto::SceneRun> refused = read(text);
         ASSERT_FALSE(refused) << text;
         EXPECT_EQ(refused.error().code, ErrorCode::invalid_input);
         EXPECT_THAT(refused.error().message, HasSubstr("benchmark.json"));

@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
+#include "common/base/transform.h"
 #include "common/codec/level_codec.h"
+#include "common/mesh/instances.h"
 #include "common/mesh/operations.h"
 #include "common/metric/surface_distance.h"
 #include "server/bake/bake.h"
+#include "server/bake/scene_source.h"
 #include "tests/server/bake/red_and_blue.h"
 #include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
@@ -32,7 +36,10 @@ struct HlodTest : ::testing::Test {
         proto::Asset asset;
         asset.id = asset.name = "scene";
         EXPECT_TRUE(store.put_asset(asset).ok());
-        Result<TileTree> tree = make_tiles(store, asset.id, model, {}, goes_on);
+        const auto shapes = make_shape_levels(model, [] { return true; });
+        EXPECT_TRUE(shapes.ok());
+        const mesh::Mesh whole = mesh::flattened(model, model.shapes);
+        Result<TileTree> tree = make_tiles(store, asset.id, {model, *shapes, whole}, {}, goes_on);
         EXPECT_TRUE(tree.ok()) << tree.error().message;
         return tree.ok() ? *tree : TileTree{};
     }
@@ -43,7 +50,7 @@ struct HlodTest : ::testing::Test {
         mesh::Mesh all;
         for (const codec::Primitive& primitive : decoded.primitives) mesh::append(all, primitive.mesh);
         for (Vec3f& p : all.positions) p = Vec3f(Vec3d(p) + decoded.origin);
-        return all;
+        return tree.matrices.empty() ? all : mesh::placed(std::move(all), Vec3d(0.0), tree.matrices[tile]);
     }
 
     // What the leaves below a tile show together.
@@ -94,17 +101,85 @@ TEST_F(HlodTest, StatedErrorBoundsWhatIsMeasuredAgainstTheObjects) {
 }
 
 TEST_F(HlodTest, BoxesHoldWhatIsDrawn) {
-    mesh::Model model = spheres(5, 20);
-    model.origin = {5e6, -3e5, 1e6};
-    const TileTree tree = make(model);
-    for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
-        const Box& box = tree.nodes[i].box;
-        const double slack = 1.0;  // single precision so far from the world's origin
-        for (const Vec3f& p : content(tree, i).positions) {
-            EXPECT_TRUE(glm::all(glm::lessThanEqual(box.min - slack, Vec3d(p)))) << i;
-            EXPECT_TRUE(glm::all(glm::lessThanEqual(Vec3d(p), box.max + slack))) << i;
+    for (mesh::Model model : {spheres(5, 20), testing::instanced_spheres(5, 20)}) {
+        model.origin = {5e6, -3e5, 1e6};
+        const TileTree tree = make(model);
+        for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
+            const Box& box = tree.nodes[i].box;
+            const double slack = 1.0;  // single precision so far from the world's origin
+            for (const Vec3f& p : content(tree, i).positions) {
+                EXPECT_TRUE(glm::all(glm::lessThanEqual(box.min - slack, Vec3d(p)))) << i;
+                EXPECT_TRUE(glm::all(glm::lessThanEqual(Vec3d(p), box.max + slack))) << i;
+            }
         }
     }
+}
+
+TEST_F(HlodTest, InstancesShareOneContentAndShowWhatTheirObjectsWould) {
+    const mesh::Model model = testing::instanced_spheres(6, 24);
+    const TileTree tree = make(model);
+    ASSERT_TRUE(scene::validate(tree.nodes).ok());
+    EXPECT_EQ(leaf_triangles(tree), mesh::triangle_count(model));
+    std::map<std::string, std::size_t> uses;
+    for (const std::string& hash : tree.hashes) ++uses[hash];
+    std::size_t shared = 0, others = 0;
+    for (const auto& [hash, count] : uses) (count > 1 ? shared : others) += count;
+    EXPECT_EQ(shared, model.instances.size());
+    EXPECT_EQ(uses.size(), others + 1);
+
+    const mesh::Mesh shown = finest_below(tree, 0), meant = mesh::flattened(model, model.shapes);
+    const double leaf_steps = 0.13 / codec::finest_steps_per_edge;
+    EXPECT_LE(metric::measure(metric::SurfaceIndex(meant), meant, shown).max, leaf_steps);
+}
+
+TEST_F(HlodTest, StatedErrorBoundsWhatIsMeasuredAgainstTheInstances) {
+    mesh::Model model = testing::instanced_spheres(5, 24);
+    for (mesh::Instance& instance : model.instances)
+        instance.matrix = instance.matrix * matrix_of({0, 0, 0}, {0, 0, 0, 1}, {1.4, 1.4, 1.4});
+    const TileTree tree = make(model);
+    for (std::uint32_t i = 0; i < tree.nodes.size(); ++i) {
+        if (tree.nodes[i].child_count == 0) continue;
+        const mesh::Mesh finest = finest_below(tree, i);
+        const double measured = metric::measure(metric::SurfaceIndex(finest), finest, content(tree, i)).max;
+        const double leaf_steps = 0.05 / codec::finest_steps_per_edge;
+        EXPECT_LE(measured, 1.05 * tree.nodes[i].error + leaf_steps) << i;
+    }
+}
+
+// Of a shape with more triangles than a tile has.
+TEST_F(HlodTest, InstancesOfALargeShapeShareItsLevels) {
+    mesh::Model model = testing::instanced_spheres(2, 90);
+    const TileTree tree = make(model);
+    ASSERT_TRUE(scene::validate(tree.nodes).ok());
+    std::map<std::string, std::size_t> uses;
+    for (const std::string& hash : tree.hashes) ++uses[hash];
+    std::size_t shared = 0;
+    for (const auto& [hash, count] : uses) shared += count == model.instances.size() ? 1 : 0;
+    EXPECT_EQ(shared, 3u);  // 16,020 triangles and two halvings
+    const SceneSource source = *SceneSource::open(store, "scene");
+    for (const mesh::Instance& instance : model.instances)
+        EXPECT_EQ(tree.nodes[source.tile(instance.object)].child_count, 0u);
+}
+
+TEST_F(HlodTest, AnInstanceIsKeptAsItsShapeAndComesBackAtItsPlace) {
+    mesh::Model model = testing::instanced_spheres(3, 12);
+    model.origin = {100, 0, -50};
+    make(model);
+    const SceneSource source = *SceneSource::open(store, "scene");
+    ASSERT_EQ(source.objects(), model.objects);
+    for (const mesh::Instance& instance : model.instances) {
+        const Result<mesh::Mesh> mesh = source.mesh(instance.object);
+        ASSERT_TRUE(mesh.ok());
+        EXPECT_EQ(mesh->positions, mesh::placed(model.shapes[0], instance).positions);
+        const Box box = mesh::bounds(*mesh);
+        EXPECT_EQ(source.box(instance.object).min, box.min + model.origin);
+        EXPECT_EQ(source.box(instance.object).max, box.max + model.origin);
+    }
+    const std::uint64_t bytes = store.content("scene", objects_key)->file.bytes;
+    model.mesh = mesh::flattened(model, model.shapes);
+    model.instances.clear();
+    make(model);
+    EXPECT_LT(2 * bytes, store.content("scene", objects_key)->file.bytes);
 }
 
 TEST_F(HlodTest, SameSceneMakesTheSameBytes) {
@@ -190,7 +265,8 @@ TEST_F(HlodTest, CancelledBakeSaysSo) {
     proto::Asset asset;
     asset.id = asset.name = "scene";
     ASSERT_TRUE(store.put_asset(asset).ok());
-    const auto tree = make_tiles(store, "scene", spheres(4, 24), {}, [](double share) { return share < 0.3; });
+    const mesh::Model model = spheres(4, 24);
+    const auto tree = make_tiles(store, "scene", {model, {}, model.mesh}, {}, [](double share) { return share < 0.3; });
     ASSERT_FALSE(tree.ok());
     EXPECT_EQ(tree.error().code, ErrorCode::unavailable);
 }

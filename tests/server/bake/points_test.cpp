@@ -176,12 +176,12 @@ TEST_F(PointsTest, MakingThemCanBeCancelledAtEveryStep) {
         asset.id = asset.name = "model";
         return asset;
     }()));
-    ASSERT_TRUE(make_points(store, "model", model, model.mesh, original, [&](double) { return ++steps > 0; }));
+    ASSERT_TRUE(make_points(store, "model", {model, model.mesh, original}, [&](double) { return ++steps > 0; }));
     EXPECT_GT(steps, 4);
     for (int allowed = 0; allowed < steps; ++allowed) {
         std::atomic<int> seen = 0;
         const Status made =
-            make_points(store, "model", model, model.mesh, original, [&](double) { return ++seen <= allowed; });
+            make_points(store, "model", {model, model.mesh, original}, [&](double) { return ++seen <= allowed; });
         ASSERT_FALSE(made) << allowed;
         EXPECT_EQ(made.error().code, ErrorCode::unavailable);
     }

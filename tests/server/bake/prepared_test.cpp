@@ -10,6 +10,7 @@
 #include "server/bake/source_model.h"
 #include "tests/common/texture/textured.h"
 #include "tests/support/meshes.h"
+#include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace lodestream::bake {
@@ -40,6 +41,53 @@ struct PreparedTest : ::testing::Test {
     }
     bool keeps_the_model() { return store->content("sphere", imported_key).ok(); }
 };
+
+TEST(SourceModel, InstancesComeBackAndOlderModelsHaveNone) {
+    mesh::Model model = lodestream::testing::instanced_spheres(3, 6);
+    const Result<mesh::Model> back = open_source_model(serialize(model));
+    ASSERT_TRUE(back.ok()) << back.error().message;
+    ASSERT_EQ(back->shapes.size(), 1u);
+    EXPECT_EQ(back->shapes[0].positions, model.shapes[0].positions);
+    ASSERT_EQ(back->instances.size(), model.instances.size());
+    for (std::size_t i = 0; i < model.instances.size(); ++i) {
+        EXPECT_EQ(back->instances[i].object, model.instances[i].object);
+        EXPECT_EQ(back->instances[i].matrix, model.instances[i].matrix);
+    }
+    model.shapes.clear();
+    model.instances.clear();
+    std::vector<std::byte> older = serialize(model);
+    older.resize(older.size() - 2 * sizeof(std::uint64_t));  // the counts of none
+    older[7] = std::byte{'2'};
+    ASSERT_TRUE(open_source_model(older).ok());
+    EXPECT_EQ(open_source_model(older)->mesh.positions, model.mesh.positions);
+}
+
+TEST(SourceModel, RefusesInstancesOfNothing) {
+    const mesh::Model sound = lodestream::testing::instanced_spheres(2, 6);
+    const auto refuses = [&](auto damage) {
+        mesh::Model model = sound;
+        damage(model.instances.front());
+        return !open_source_model(serialize(model)).ok();
+    };
+    EXPECT_FALSE(refuses([](mesh::Instance&) {}));
+    EXPECT_TRUE(refuses([](mesh::Instance& instance) { instance.shape = 1; }));
+    EXPECT_TRUE(refuses([](mesh::Instance& instance) { instance.object = 4; }));
+    EXPECT_TRUE(refuses([](mesh::Instance& instance) { instance.matrix = Mat4d(0.0); }));
+}
+
+TEST_F(PreparedTest, InstancesCountInTheAssetAndInItsFirstLevels) {
+    const mesh::Model model = lodestream::testing::instanced_spheres(4, 8);
+    const Result<proto::Asset> asset = prepare(*store, named("spheres"), model);
+    ASSERT_TRUE(asset.ok()) << asset.error().message;
+    EXPECT_EQ(asset->triangles, 16 * model.shapes[0].triangles.size());
+    EXPECT_DOUBLE_EQ((*asset->bounds_max)[2], 10.0);
+    EXPECT_EQ(asset->levels.front().triangles, asset->triangles);
+    const Result<proto::Asset> baked = bake_prepared(*store, "spheres");
+    ASSERT_TRUE(baked.ok()) << baked.error().message;
+    EXPECT_EQ(baked->triangles, asset->triangles);
+    EXPECT_EQ(baked->levels.front().triangles, asset->triangles);
+    EXPECT_EQ(baked->levels.front().max_error, 0.0);
+}
 
 TEST(SourceModel, ComesBackAsItWent) {
     mesh::Model model = texture::square_with(texture::jpeg_of(texture::noise(16, 16)));

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
+#include "common/base/transform.h"
 #include "tests/support/temporary_folder.h"
 
 namespace lodestream::bake {
@@ -44,6 +47,32 @@ TEST(TileTree, RefusesEveryTruncationAndSurvivesEveryFlippedByte) {
         const Result<TileTree> tree = open_tile_tree(damaged);
         EXPECT_TRUE(!tree.ok() || scene::validate(tree->nodes).ok());
     }
+}
+
+TEST(TileTree, PlacesComeBackAndOlderTreesHaveNone) {
+    TileTree tree = small_tree();
+    const std::vector<std::byte> without = serialize(tree);
+    for (std::size_t i = 0; i < tree.nodes.size(); ++i)
+        tree.matrices.push_back(translation(Vec3d(static_cast<double>(i), 0, 0)));
+    EXPECT_EQ(open_tile_tree(serialize(tree))->matrices, tree.matrices);
+
+    std::vector<std::byte> older(without.begin(), without.end() - sizeof(std::uint64_t));  // the count of none
+    older[7] = std::byte{'1'};
+    const Result<TileTree> back = open_tile_tree(older);
+    ASSERT_TRUE(back.ok()) << back.error().message;
+    EXPECT_TRUE(back->matrices.empty());
+    EXPECT_EQ(back->hashes, tree.hashes);
+}
+
+TEST(TileTree, RefusesTooFewPlacesAndThoseThatAreNone) {
+    TileTree tree = small_tree();
+    tree.matrices.assign(1, Mat4d(1.0));
+    EXPECT_FALSE(open_tile_tree(serialize(tree)).ok());
+    tree.matrices.assign(tree.nodes.size(), Mat4d(1.0));
+    tree.matrices.back()[0][0] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(open_tile_tree(serialize(tree)).ok());
+    tree.matrices.back() = Mat4d(0.0);
+    EXPECT_FALSE(open_tile_tree(serialize(tree)).ok());
 }
 
 TEST(TileTree, RefusesAHashThatIsAPath) {

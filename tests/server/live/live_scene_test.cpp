@@ -171,6 +171,31 @@ TEST_F(LiveSceneTest, ATileOfOneObjectMovesAsItIsWithItsLevels) {
     EXPECT_LT(after.nodes[0].error, before.nodes[0].error + 3.6);
 }
 
+TEST_F(LiveSceneTest, AnInstanceKeepsItsContentWhereverItIsMoved) {
+    mesh::Model model = lodestream::testing::instanced_spheres(4, 16);
+    model.graph = mesh::flat_graph(model.objects);
+    bake(model);
+    const auto scene = open();
+    const proto::Tileset before = scene->tileset();
+    change(*scene, moving(7, by(0, 9, 0)));
+    EXPECT_FALSE(scene->make_rest());
+    const proto::Tileset after = scene->tileset();
+    EXPECT_EQ(after.uris, before.uris);
+    const std::uint32_t tile = tile_of_node(after, 7);
+    ASSERT_NE(tile, scene::none);
+    EXPECT_EQ(after.matrix(tile), by(0, 9, 0) * before.matrix(tile));
+    for (mesh::Instance& instance : model.instances)
+        if (instance.object == 6) instance.matrix = by(0, 9, 0) * instance.matrix;
+    mesh::Mesh meant = mesh::flattened(model, model.shapes);
+    meant.normals.clear();
+    EXPECT_LT(two_sided(meant, finest_below(after, 0)), 0.01);
+
+    make_true(*scene);
+    const proto::Tileset rested = scene->tileset();
+    EXPECT_LT(rested.nodes[0].error, after.nodes[0].error);
+    EXPECT_LE(two_sided(meant, content(rested, 0)), 1.05 * rested.nodes[0].error + 0.01);
+}
+
 TEST_F(LiveSceneTest, HiddenObjectsAreNotThereAndComeBack) {
     const mesh::Model model = with_nodes(spheres(3, 16));
     bake(model);

@@ -12,6 +12,7 @@
 
 #include "common/base/transform.h"
 #include "common/codec/level_codec.h"
+#include "common/mesh/instances.h"
 #include "common/mesh/operations.h"
 #include "server/bake/hlod.h"
 #include "server/live/live_scene.h"
@@ -48,7 +49,10 @@ struct MovingScene : ::testing::Test {
         asset.status = proto::AssetStatus::ready;
         asset.hierarchy.emplace();
         ASSERT_TRUE(store.put_asset(asset));
-        const auto tree = bake::make_tiles(store, asset.id, model, {}, [](double) { return true; });
+        const auto shapes = bake::make_shape_levels(model, [] { return true; });
+        ASSERT_TRUE(shapes);
+        const mesh::Mesh whole = mesh::flattened(model, model.shapes);
+        const auto tree = bake::make_tiles(store, asset.id, {model, *shapes, whole}, {}, [](double) { return true; });
         ASSERT_TRUE(tree) << tree.error().message;
     }
     std::shared_ptr<LiveScene> open() {

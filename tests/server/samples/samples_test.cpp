@@ -11,6 +11,7 @@ TEST(MakeSample, ReadsNameAndCount) {
     EXPECT_EQ(make_sample("terrain:1000")->mesh.positions.size(), 1'000u);
     EXPECT_EQ(make_sample("ship")->objects, ship_objects);
     EXPECT_EQ(make_sample("ship:5")->objects, 5u);
+    EXPECT_EQ(make_sample("fine-ship:500")->objects, 500u);
 }
 
 TEST(MakeSample, NamesWhatIsAllowedWhereASpecIsWrong) {
@@ -19,8 +20,9 @@ TEST(MakeSample, NamesWhatIsAllowedWhereASpecIsWrong) {
         const auto model = make_sample(spec);
         ASSERT_FALSE(model.ok()) << spec;
         EXPECT_EQ(model.error().code, ErrorCode::invalid_input);
-        EXPECT_THAT(model.error().message,
-                    ::testing::HasSubstr("teapot[:triangles], terrain[:vertices] or ship[:objects]"));
+        EXPECT_THAT(
+            model.error().message,
+            ::testing::HasSubstr("teapot[:triangles], terrain[:vertices], ship[:objects] or fine-ship[:objects]"));
     }
 }
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "common/mesh/instances.h"
 #include "server/samples/samples.h"
 #include "server/samples/shape_builder.h"
 #include "tests/server/samples/mesh_checks.h"
@@ -66,6 +67,47 @@ TEST(Ship, StaysBelowTheTriangleLimitAtItsLargest) {
     const auto model = ship(max_ship_objects / share);
     ASSERT_TRUE(model.ok());
     EXPECT_LE(share * model->mesh.triangles.size(), max_sample_triangles);
+}
+
+TEST(FineShip, IsTheShipWithEightyMillionTrianglesAtItsLargest) {
+    const auto model = fine_ship();
+    ASSERT_TRUE(model.ok());
+    EXPECT_EQ(model->objects, max_ship_objects);
+    EXPECT_NEAR(static_cast<double>(mesh::triangle_count(*model)), 80e6, 2e6);
+    EXPECT_LE(model->shapes.size(), 16u);
+    EXPECT_LT(model->mesh.triangles.size(), 100'000u);
+}
+
+TEST(FineShip, HasItsPartsWhereTheShipHasThem) {
+    for (const std::uint64_t n : {1, 777, 2'000}) {
+        SCOPED_TRACE(n);
+        const auto fine = fine_ship(n), plain = ship(n);
+        ASSERT_TRUE(fine.ok());
+        EXPECT_EQ(fine->objects, n);
+        EXPECT_EQ(fine->graph.object_nodes.size(), n);
+        mesh::Model flat = *fine;
+        flat.mesh = mesh::flattened(*fine, fine->shapes);
+        expect_sound(flat);
+        EXPECT_GT(worst_normal(flat.mesh), 0.2);  // short pipe runs are bent sharply
+        std::vector<Box> boxes(n), plain_boxes(n);
+        const auto add = [](std::vector<Box>& to, const mesh::Mesh& mesh) {
+            for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+                for (const std::uint32_t v : mesh.triangles[t])
+                    to[mesh.triangle_objects[t]].add(Vec3d(mesh.positions[v]));
+        };
+        add(boxes, flat.mesh);
+        add(plain_boxes, plain->mesh);
+        constexpr double slack_m = 0.6;  // pipes are as thick as the length of their run would have them
+        for (std::size_t i = 0; i < n; ++i) {
+            EXPECT_LT(distance(boxes[i].min, plain_boxes[i].min), slack_m) << i;
+            EXPECT_LT(distance(boxes[i].max, plain_boxes[i].max), slack_m) << i;
+        }
+    }
+}
+
+TEST(FineShip, RefusesNoneAndTooMany) {
+    EXPECT_EQ(fine_ship(0).error().code, ErrorCode::invalid_input);
+    EXPECT_EQ(fine_ship(max_ship_objects + 1).error().code, ErrorCode::limit_exceeded);
 }
 
 double volume_of(ShapeBuilder& builder) {
