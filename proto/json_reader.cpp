@@ -184,4 +184,10 @@ void Fields::read_value(const Json& value, const char* name, std::vector<std::st
     }
 }
 
+void Fields::read_value(const Json& value, const char* name, std::vector<std::uint32_t>& out) const {
+    if (!value.is_array()) return refuse(name, "must be an array of whole numbers", &value);
+    out.clear();
+    for (const Json& item : value) read_value(item, name, out.emplace_back());
+}
+
 }  // namespace lodestream::proto

@@ -80,6 +80,7 @@ class Fields {
     }
     void read_value(const Json& value, const char* name, Vec3d& out) const;
     void read_value(const Json& value, const char* name, std::vector<std::string>& out) const;
+    void read_value(const Json& value, const char* name, std::vector<std::uint32_t>& out) const;
     template <class T>
     void read_value(const Json& value, const char* name, std::optional<T>& out) const {
         T read{};

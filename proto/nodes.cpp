@@ -51,10 +51,17 @@ std::optional<Mat4d> read_matrix(const Fields& fields) {
 
 NodeChange read_change(const Fields& fields) {
     NodeChange change;
-    fields.require("node", change.node);
+    fields.read("parent", change.parent);
+    if (!change.parent || fields.has("node")) fields.require("node", change.node);
+    if (change.parent == next_node) fields.refuse("parent", "must be a node");
+    if (!change.parent && change.node == next_node) fields.refuse("node", "must be a node");
     change.matrix = read_matrix(fields);
     fields.read("visible", change.visible);
-    if (!change.matrix && !change.visible) fields.refuse("matrix", "or a part of it, or visible must be given");
+    fields.read("asset", change.asset);
+    if (change.asset && change.asset->size() > max_asset_name)
+        fields.refuse("asset", "must have at most " + std::to_string(max_asset_name) + " bytes");
+    if (!change.matrix && !change.visible && !change.asset)
+        fields.refuse("matrix", "or a part of it, visible or asset must be given");
     if (change.matrix)
         if (const Status valid = scene::validate({*change.matrix, true}); !valid)
             fields.refuse("matrix", valid.error().message);
@@ -81,6 +88,7 @@ SceneNode read_node(const Fields& fields) {
     fields.read("matrix", numbers);
     fields.read("visible", node.placement.visible);
     node.placement.matrix = matrix_from(numbers);
+    fields.read("asset", node.asset);
     return node;
 }
 
@@ -100,7 +108,8 @@ Result<std::vector<NodeChange>> parse_node_changes(std::string_view text) {
     std::set<std::uint32_t> seen;
     for (const Fields& object : objects) {
         changes.push_back(read_change(object));
-        if (!error && !seen.insert(changes.back().node).second) object.refuse("node", "is there twice");
+        const std::uint32_t node = changes.back().node;
+        if (!error && node != next_node && !seen.insert(node).second) object.refuse("node", "is there twice");
         if (error) return *error;
     }
     if (error) return *error;
@@ -111,7 +120,10 @@ Result<std::vector<NodeChange>> parse_node_changes(std::string_view text) {
 std::string to_json(const std::vector<NodeChange>& changes) {
     Object list = Object::array();
     for (const NodeChange& change : changes) {
-        Object object{{"node", change.node}};
+        Object object = Object::object();
+        if (change.node != next_node) object["node"] = change.node;
+        if (change.parent) object["parent"] = *change.parent;
+        if (change.asset) object["asset"] = *change.asset;
         if (change.matrix) object["matrix"] = numbers_of(*change.matrix);
         if (change.visible) object["visible"] = *change.visible;
         list.push_back(std::move(object));
@@ -127,12 +139,15 @@ Result<NodesChanged> parse_nodes_changed(std::string_view text) {
     NodesChanged changed;
     fields.require("revision", changed.revision);
     fields.require("moved_objects", changed.moved_objects);
+    fields.read("added", changed.added);
     if (error) return *error;
     return changed;
 }
 
 std::string to_json(const NodesChanged& changed) {
-    return Object{{"revision", changed.revision}, {"moved_objects", changed.moved_objects}}.dump();
+    Object object{{"revision", changed.revision}, {"moved_objects", changed.moved_objects}};
+    if (!changed.added.empty()) object["added"] = changed.added;
+    return object.dump();
 }
 
 Result<SceneNodes> parse_scene_nodes(std::string_view text) {
@@ -156,6 +171,7 @@ std::string to_json(const SceneNodes& nodes) {
         write_box(object, node.bounds);
         object["matrix"] = numbers_of(node.placement.matrix);
         object["visible"] = node.placement.visible;
+        if (!node.asset.empty()) object["asset"] = node.asset;
         list.push_back(std::move(object));
     }
     return Object{{"revision", nodes.revision}, {"count", nodes.count}, {"nodes", std::move(list)}}.dump();

@@ -1,6 +1,9 @@
 #include "server/live/live_scene.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <iterator>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -14,6 +17,15 @@ using scene::none;
 using scene::Placement;
 
 // Ids of tiles in a tileset: those that a bake has made begin at 0.
+// Between the JSON of a stored node and the hash of what it shows.
+constexpr char state_separator = '\n';
+constexpr std::size_t hash_digits = 64;
+
+// Of an added object's level among the scene's content.
+std::string added_key(const std::string& hash) {
+    return "added/" + hash;
+}
+
 constexpr std::uint64_t first_rest_id = 1ull << 32, first_object_id = 2ull << 32;
 
 std::uint64_t microseconds_since_1970() {
@@ -114,18 +126,30 @@ Status LiveScene::restore() {
     const Result<std::vector<store::Store::Node>> kept = store_.nodes(asset_id_);
     if (!kept) return kept.error();
     std::vector<proto::NodeChange> changes;
+    std::map<std::uint32_t, std::string> hashes;
     for (const store::Store::Node& node : *kept) {
-        const Result<std::vector<proto::NodeChange>> change = proto::parse_node_changes(node.state);
+        const std::size_t end = std::min(node.state.find(state_separator), node.state.size());
+        const auto change = proto::parse_node_changes(std::string_view(node.state).substr(0, end));
         if (!change) return fail(ErrorCode::internal, "the catalogue holds an unreadable node");
         changes.insert(changes.end(), change->begin(), change->end());
+        if (end < node.state.size()) hashes[node.node] = node.state.substr(end + 1);
     }
     const std::lock_guard lock(mutex_);
-    Result<Placements> nodes = changed_nodes(changes);
+    Result<Nodes> nodes = changed_nodes(changes);
     if (!nodes) return nodes.error();
-    nodes_ = *std::move(nodes);
-    const Result<Placements> objects = objects_below(nodes_);
+    std::map<std::uint32_t, Content> added;
+    for (auto& [number, node] : *nodes) {
+        if (node.asset.empty()) continue;
+        node.hash = hashes[number];
+        const Result<store::Store::Content> stored = store_.content(asset_id_, added_key(node.hash));
+        if (!stored) return stored.error();
+        Result<Content> content = stored_content(node.hash, std::strtod(stored->record.c_str(), nullptr));
+        if (!content) return content.error();
+        added[number] = *std::move(content);
+    }
+    const Result<Placements> objects = objects_below(*nodes, added);
     if (!objects) return objects.error();
-    for (const auto& [object, placement] : *objects) place(object, placement);
+    install(*nodes, std::move(added), *objects);
     if (!kept->empty()) changed_now();
     return Nothing{};
 }
@@ -145,7 +169,7 @@ std::vector<std::uint32_t> LiveScene::levels_above(std::uint32_t finest) const {
 }
 
 bool LiveScene::is_below(std::uint32_t object, const Tile& tile) const {
-    const std::uint32_t own = source_.tile(object);
+    const std::uint32_t own = tile_of(object);
     return own != bake::no_tile && tiles_[own].entered >= tile.entered && tiles_[own].entered < tile.left;
 }
 
@@ -160,13 +184,13 @@ LiveScene::PlacementPointer LiveScene::pointer(std::uint32_t object) const {
 
 Placement LiveScene::placement(std::uint32_t object) const {
     const PlacementPointer now = pointer(object);
-    return now ? *now : Placement{};
+    return now ? *now : as_source(object);
 }
 
 double LiveScene::off(const Shown& shown, std::uint32_t object) const {
     const auto found = shown.find(object);
-    const Placement as_shown = found == shown.end() || !found->second ? Placement{} : *found->second;
-    return scene::displacement(source_.box(object), as_shown, placement(object));
+    const Placement as_shown = found == shown.end() || !found->second ? as_source(object) : *found->second;
+    return scene::displacement(box_of(object), as_shown, placement(object));
 }
 
 std::set<std::uint32_t> LiveScene::displaced(std::uint32_t finest) const {
@@ -174,51 +198,100 @@ std::set<std::uint32_t> LiveScene::displaced(std::uint32_t finest) const {
     const Tile& tile = tiles_[finest];
     for (const std::uint32_t object : tile_objects_.of(finest))
         if (!tile.is_rigid && off(tile.shown, object) > 0.0) objects.insert(object);
+    for (const std::uint32_t object : added_beside(finest))
+        if (off(tile.shown, object) > 0.0) objects.insert(object);
     return objects;
 }
 
-Result<LiveScene::Placements> LiveScene::changed_nodes(std::span<const proto::NodeChange> changes) const {
-    Placements changed;
-    const std::size_t count = source_.model().graph.parents.size();
+std::span<const std::uint32_t> LiveScene::added_beside(std::uint32_t tile) const {
+    const auto found = added_of_tile_.find(tile);
+    return found == added_of_tile_.end() ? std::span<const std::uint32_t>{} : found->second;
+}
+
+bool LiveScene::has_added(std::uint32_t finest) const {
+    return std::ranges::any_of(added_beside(finest), [&](std::uint32_t object) { return placement(object).visible; });
+}
+
+std::uint32_t LiveScene::parent_of(std::uint32_t node, const Nodes& changed) const {
+    if (node < source_nodes()) return source_.model().graph.parents[node];
+    const auto found = changed.find(node);
+    return found != changed.end() ? *found->second.parent : new_parents_[node - source_nodes()];
+}
+
+Result<LiveScene::Nodes> LiveScene::changed_nodes(std::span<const proto::NodeChange> changes) const {
+    Nodes changed;
+    auto count = static_cast<std::uint32_t>(node_count());
+    const auto no_node = [&](std::uint32_t node) {
+        return fail(ErrorCode::not_found,
+                    "there is no node " + std::to_string(node) + ", the scene has " + std::to_string(count));
+    };
     for (const proto::NodeChange& change : changes) {
-        if (change.node >= count)
-            return fail(ErrorCode::not_found,
-                        "there is no node " + std::to_string(change.node) + ", the scene has " + std::to_string(count));
-        const auto before = nodes_.find(change.node);
-        Placement placement = before == nodes_.end() ? Placement{} : before->second;
-        placement.matrix = change.matrix.value_or(placement.matrix);
-        placement.visible = change.visible.value_or(placement.visible);
-        changed[change.node] = placement;
+        std::uint32_t number = change.node;
+        if (change.parent) {
+            if (number != proto::next_node && number != count)
+                return fail(ErrorCode::conflict,
+                            "a new node would be " + std::to_string(count) + ", not " + std::to_string(number));
+            if (*change.parent >= count) return no_node(*change.parent);
+            if (count >= source_nodes() + max_added_nodes)
+                return fail(ErrorCode::limit_exceeded,
+                            "the scene would have more than " + std::to_string(max_added_nodes) + " added nodes");
+            number = count++;
+        }
+        if (number >= count) return no_node(number);
+        const auto before = nodes_.find(number);
+        Node node = before == nodes_.end() ? Node{} : before->second;
+        node.placement.matrix = change.matrix.value_or(node.placement.matrix);
+        node.placement.visible = change.visible.value_or(node.placement.visible);
+        node.asset = change.asset.value_or(node.asset);
+        if (change.parent) node.parent = change.parent;
+        changed[number] = std::move(node);
     }
     return changed;
 }
 
 // Of all objects at and below changed nodes, where these changes put them.
-Result<LiveScene::Placements> LiveScene::objects_below(const Placements& changed) const {
-    const mesh::SceneGraph& graph = source_.model().graph;
+Result<LiveScene::Placements> LiveScene::objects_below(const Nodes& changed,
+                                                       const std::map<std::uint32_t, Content>& added) const {
     const auto own = [&](std::uint32_t node) {
         if (const auto found = changed.find(node); found != changed.end()) return found->second;
         const auto found = nodes_.find(node);
-        return found == nodes_.end() ? Placement{} : found->second;
+        return found == nodes_.end() ? Node{} : found->second;
     };
     Placements objects;
-    for (const auto& [top, placement] : changed) {
+    const auto place_objects_of = [&](std::uint32_t node, const Placement& now) {
+        const bool has_asset = !own(node).asset.empty();
+        if (node < source_nodes())
+            for (const std::uint32_t object : node_objects_.of(node))
+                objects[object] = {now.matrix, now.visible && !has_asset};
+        const auto next = added.find(node);
+        if (const auto before = added_of_node_.find(node); before != added_of_node_.end())
+            objects[before->second] = has_asset && next == added.end() && now.visible ? now : as_source(before->second);
+        if (next == added.end()) return;
+        const auto place_in = static_cast<std::size_t>(std::distance(added.begin(), next));
+        const auto object = static_cast<std::uint32_t>(source_.objects() + added_.size() + place_in);
+        objects[object] = now.visible ? now : as_source(object);
+    };
+    for (const auto& [top, node] : changed) {
         Placement above;
-        for (std::uint32_t node = graph.parents[top]; node != mesh::no_parent; node = graph.parents[node])
-            above = scene::combined(own(node), above);
-        std::vector<std::pair<std::uint32_t, Placement>> open{{top, scene::combined(above, placement)}};
+        for (std::uint32_t up = parent_of(top, changed); up != mesh::no_parent; up = parent_of(up, changed))
+            above = scene::combined(own(up).placement, above);
+        std::vector<std::pair<std::uint32_t, Placement>> open{{top, scene::combined(above, node.placement)}};
         while (!open.empty()) {
-            const auto [node, now] = open.back();
+            const auto [below, now] = open.back();
             open.pop_back();
             if (Status valid = scene::validate(now); !valid)
-                return invalid_input("node " + std::to_string(node) + ": its place, with the nodes above, " +
+                return invalid_input("node " + std::to_string(below) + ": its place, with the nodes above, " +
                                      valid.error().message);
-            for (const std::uint32_t object : node_objects_.of(node)) objects[object] = now;
+            place_objects_of(below, now);
             if (objects.size() > max_moved_objects)
                 return fail(ErrorCode::limit_exceeded,
                             "it moves more than " + std::to_string(max_moved_objects) + " objects");
-            for (const std::uint32_t child : child_nodes_.of(node))
-                open.push_back({child, scene::combined(now, own(child))});
+            const auto go_on = [&, place = now](std::uint32_t child) {
+                open.push_back({child, scene::combined(place, own(child).placement)});
+            };
+            if (below < source_nodes()) std::ranges::for_each(child_nodes_.of(below), go_on);
+            if (const auto more = new_children_.find(below); more != new_children_.end())
+                std::ranges::for_each(more->second, go_on);
         }
     }
     return objects;
@@ -227,11 +300,15 @@ Result<LiveScene::Placements> LiveScene::objects_below(const Placements& changed
 Status LiveScene::check(const Placements& objects) const {
     std::size_t away = away_;
     std::int64_t visible = tiles_.front().visible_objects;
+    const auto is_new = [&](std::uint32_t object) { return object >= source_.objects() + added_.size(); };
     for (const auto& [object, now] : objects) {
-        const Placement before = placement(object);
-        away += (now == Placement{} ? 0 : 1);
-        away -= (before == Placement{} ? 0 : 1);
-        if (source_.tile(object) != bake::no_tile) visible += int{now.visible} - int{before.visible};
+        const Placement before = is_new(object) ? as_source(object) : placement(object);
+        away += (now == as_source(object) ? 0 : 1);
+        away -= (before == as_source(object) ? 0 : 1);
+        if (is_new(object) || tile_of(object) != bake::no_tile) visible += int{now.visible} - int{before.visible};
+        if (is_new(object) && object - source_.objects() >= max_added_objects)
+            return fail(ErrorCode::limit_exceeded, "more than " + std::to_string(max_added_objects) +
+                                                       " objects were added since the scene was opened");
     }
     if (away > max_moved_objects)
         return fail(ErrorCode::limit_exceeded, "more than " + std::to_string(max_moved_objects) +
@@ -243,12 +320,12 @@ Status LiveScene::check(const Placements& objects) const {
 void LiveScene::place(std::uint32_t object, const Placement& now) {
     const Placement before = placement(object);
     if (before == now) return;
-    away_ += now == Placement{} ? 0 : 1;
-    away_ -= before == Placement{} ? 0 : 1;
+    away_ += now == as_source(object) ? 0 : 1;
+    away_ -= before == as_source(object) ? 0 : 1;
     Moved& moved = moved_[object];
-    moved.pointer = now == Placement{} ? nullptr : std::make_shared<const Placement>(now);
+    moved.pointer = now == as_source(object) ? nullptr : std::make_shared<const Placement>(now);
     moved.at = Clock::now();
-    const std::uint32_t own = source_.tile(object);
+    const std::uint32_t own = tile_of(object);
     if (own == bake::no_tile) return;
     for (std::uint32_t i = own; i != none; i = tiles_[i].parent) {
         Tile& tile = tiles_[i];
@@ -263,29 +340,133 @@ void LiveScene::place(std::uint32_t object, const Placement& now) {
     if (!tiles_[own].is_rigid && !has_tile) unsplit_.insert(own);
 }
 
+// Of tiles as near as each other one of several objects.
+std::uint32_t LiveScene::nearest_finest(const Box& box) const {
+    std::uint32_t nearest = none;
+    std::pair<double, bool> least{std::numeric_limits<double>::infinity(), true};
+    for (std::uint32_t i = 0; i < tiles_.size(); ++i) {
+        if (tiles_[i].child_count > 0) continue;
+        const Box& own = tiles_[i].content.box;
+        const Vec3d gap = glm::max(glm::max(own.min - box.max, box.min - own.max), Vec3d(0.0));
+        const std::pair<double, bool> cost{length(gap), tiles_[i].is_rigid};
+        if (nearest != none && !(cost < least)) continue;
+        nearest = i;
+        least = cost;
+    }
+    return nearest;
+}
+
+void LiveScene::make_shared(std::uint32_t leaf) {
+    if (!tiles_[leaf].is_rigid) return;
+    const std::uint32_t object = tile_objects_.of(leaf).front();
+    for (std::uint32_t i = leaf; i != none && (i == leaf || tiles_[i].child_count == 1); i = tiles_[i].parent) {
+        tiles_[i].is_rigid = false;
+        tiles_[i].stale = off(tiles_[i].shown, object);
+        if (i != leaf && tiles_[i].stale > 0.0) untrue_.insert(leaf);
+    }
+    if (tiles_[leaf].stale > 0.0) unsplit_.insert(leaf);
+}
+
+void LiveScene::add_object(std::uint32_t node, Content content) {
+    const auto object = static_cast<std::uint32_t>(source_.objects() + added_.size());
+    const std::uint32_t tile = nearest_finest(content.box);
+    make_shared(tile);
+    added_.push_back({node, tile, content.box});
+    added_of_node_[node] = object;
+    added_of_tile_[tile].push_back(object);
+    moved_[object].own = std::move(content);
+}
+
+void LiveScene::install(const Nodes& changed, std::map<std::uint32_t, Content> added, const Placements& objects) {
+    for (auto& [node, content] : added) add_object(node, std::move(content));
+    for (const auto& [number, node] : changed) {
+        if (number >= node_count()) {
+            new_children_[*node.parent].push_back(number);
+            new_parents_.push_back(*node.parent);
+        }
+        nodes_[number] = node;
+    }
+    for (const auto& [object, placement] : objects) place(object, placement);
+}
+
+Result<Content> LiveScene::stored_content(const std::string& hash, double error) const {
+    const Result<store::StoredFile> file = store_.file(hash, "glb");
+    if (!file) return file.error();
+    const Result<std::vector<std::byte>> glb = store::read_file(file->path, max_tile_bytes);
+    if (!glb) return glb.error();
+    return content_of(*file, *glb, error);
+}
+
+// Its finest level, kept with this scene from then on.
+Result<Content> LiveScene::content_of_asset(const std::string& name) {
+    const Result<proto::Asset> asset = store_.asset(name);
+    if (!asset) return asset.error();
+    if (asset->status != proto::AssetStatus::ready || asset->levels.empty())
+        return fail(ErrorCode::conflict,
+                    "\"" + name + "\" cannot be shown by a node: it is not ready or has no triangles");
+    const proto::Level& level = asset->levels.front();
+    if (level.triangles > max_added_triangles)
+        return fail(ErrorCode::limit_exceeded, "\"" + name + "\" has " + std::to_string(level.triangles) +
+                                                   " triangles, more than the " + std::to_string(max_added_triangles) +
+                                                   " that a node may show");
+    const std::size_t prefix = bake::content_url("").size() - std::string_view(".glb").size();
+    const std::string hash = level.url.substr(std::min(prefix, level.url.size()), hash_digits);
+    const Result<store::StoredFile> file = store_.file(hash, "glb");
+    if (!file) return file.error();
+    const Result<std::vector<std::byte>> glb = store::read_file(file->path, max_tile_bytes);
+    if (!glb) return glb.error();
+    Result<Content> content = content_of(*file, *glb, level.max_error);
+    if (!content) return content.error();
+    auto kept = store_.put_content(asset_id_, added_key(hash), "glb", *glb, std::to_string(level.max_error));
+    if (!kept) return kept.error();
+    return content;
+}
+
 Result<proto::NodesChanged> LiveScene::change(std::span<const proto::NodeChange> changes) {
     const std::lock_guard one_at_a_time(changing_);
-    Placements nodes, objects;
+    Nodes nodes, before;
+    std::size_t first_new = 0;
     {
         const std::lock_guard lock(mutex_);
-        Result<Placements> changed = changed_nodes(changes);
+        Result<Nodes> changed = changed_nodes(changes);
         if (!changed) return changed.error();
         nodes = *std::move(changed);
-        Result<Placements> below = objects_below(nodes);
+        before = nodes_;
+        first_new = node_count();
+    }
+    std::map<std::uint32_t, Content> added;
+    for (auto& [number, node] : nodes) {
+        if (node.asset.empty() || (before.contains(number) && before.at(number).asset == node.asset)) continue;
+        Result<Content> content = content_of_asset(node.asset);
+        if (!content) return content.error();
+        node.hash = content->hash;
+        added[number] = *std::move(content);
+    }
+    Placements objects;
+    {
+        const std::lock_guard lock(mutex_);
+        Result<Placements> below = objects_below(nodes, added);
         if (!below) return below.error();
         objects = *std::move(below);
         if (Status fits = check(objects); !fits) return fits.error();
     }
     std::vector<store::Store::Node> kept;
-    for (const auto& [node, placement] : nodes)
-        kept.push_back(
-            {node, proto::to_json(std::vector{proto::NodeChange{node, placement.matrix, placement.visible}})});
+    proto::NodesChanged answer;
+    for (const auto& [number, node] : nodes) {
+        proto::NodeChange change{number, node.placement.matrix, node.placement.visible, std::nullopt, node.parent};
+        if (!node.asset.empty()) change.asset = node.asset;
+        std::string state = proto::to_json(std::vector{change});
+        if (!node.asset.empty()) state += state_separator + node.hash;
+        kept.push_back({number, std::move(state)});
+        if (number >= first_new) answer.added.push_back(number);
+    }
     if (Status stored = store_.put_nodes(asset_id_, kept); !stored) return stored.error();
     const std::lock_guard lock(mutex_);
-    for (const auto& [node, placement] : nodes) nodes_[node] = placement;
-    for (const auto& [object, placement] : objects) place(object, placement);
+    install(nodes, std::move(added), objects);
     changed_now();
-    return proto::NodesChanged{revision_, away_};
+    answer.revision = revision_;
+    answer.moved_objects = away_;
+    return answer;
 }
 
 bool LiveScene::is_current() const {
@@ -325,7 +506,6 @@ proto::Tileset LiveScene::tileset() const {
         tileset.scene_nodes.push_back(node);
         tileset.ids.push_back(id);
     };
-    const auto node_of = [&](std::uint32_t object) { return source_.model().graph.object_nodes[object]; };
     std::vector<std::uint32_t> tiles;  // of each node of the tileset, or none
     const auto add_tile = [&](std::uint32_t parent, std::uint32_t i) {
         const Tile& tile = tiles_[i];
@@ -337,15 +517,16 @@ proto::Tileset LiveScene::tileset() const {
             for (const std::uint32_t away : displaced(i)) {
                 const Placement now = placement(away);
                 if (!now.visible) continue;
-                const Box box = scene::placed(source_.box(away), now.matrix);
+                const Box box = scene::placed(box_of(away), now.matrix);
                 tileset.nodes.back().box.add(box.min);
                 tileset.nodes.back().box.add(box.max);
             }
     };
     const auto add_split = [&](std::uint32_t parent, std::uint32_t i, const Split& split) {
         double stale = 0.0;
-        for (const std::uint32_t object : tile_objects_.of(i))
-            if (!split.out.contains(object)) stale = std::max(stale, off(tiles_[i].shown, object));
+        for (const auto& objects : {tile_objects_.of(i), added_beside(i)})
+            for (const std::uint32_t object : objects)
+                if (!split.out.contains(object)) stale = std::max(stale, off(tiles_[i].shown, object));
         if (split.rest.triangles > 0) add(parent, split.rest, {}, stale, proto::no_scene_node, first_rest_id + i);
         for (const std::uint32_t object : split.out)
             if (const Placement now = placement(object); now.visible)
@@ -369,22 +550,29 @@ proto::Tileset LiveScene::tileset() const {
 }
 
 proto::SceneNodes LiveScene::nodes(std::uint32_t first, std::size_t count) const {
-    const mesh::SceneGraph& graph = source_.model().graph;
     const std::lock_guard lock(mutex_);
-    proto::SceneNodes out{revision_, graph.parents.size(), {}};
-    const std::size_t end = std::min(graph.parents.size(), first + std::min(count, max_listed_nodes));
+    proto::SceneNodes out{revision_, node_count(), {}};
+    const std::size_t end = std::min(node_count(), first + std::min(count, max_listed_nodes));
     for (std::uint32_t i = first; i < end; ++i) {
         proto::SceneNode& node = out.nodes.emplace_back();
         node.node = i;
-        if (graph.parents[i] != mesh::no_parent) node.parent = graph.parents[i];
-        node.objects = node_objects_.of(i).size();
-        for (const std::uint32_t object : node_objects_.of(i)) {
-            const Box box = scene::placed(source_.box(object), placement(object).matrix);
+        if (const std::uint32_t parent = parent_of(i, {}); parent != mesh::no_parent) node.parent = parent;
+        std::vector<std::uint32_t> objects;
+        if (const auto changed = nodes_.find(i); changed != nodes_.end()) {
+            node.placement = changed->second.placement;
+            node.asset = changed->second.asset;
+        }
+        if (!node.asset.empty())
+            objects = {added_of_node_.at(i)};
+        else if (i < source_nodes())
+            objects.assign(node_objects_.of(i).begin(), node_objects_.of(i).end());
+        node.objects = objects.size();
+        for (const std::uint32_t object : objects) {
+            const Box box = scene::placed(box_of(object), placement(object).matrix);
             if (box.empty()) continue;
             node.bounds.add(box.min);
             node.bounds.add(box.max);
         }
-        if (const auto changed = nodes_.find(i); changed != nodes_.end()) node.placement = changed->second;
     }
     return out;
 }
@@ -490,7 +678,7 @@ std::vector<std::uint32_t> LiveScene::next_round() const {
     for (const auto& [leaf, split] : splits_) {
         const bool rests = std::all_of(split.out.begin(), split.out.end(),
                                        [&](std::uint32_t object) { return moved_.at(object).at + rest_time <= now; });
-        if (rests && split.is_exact && !unsplit_.contains(leaf) && tiles_[leaf].visible_objects > 0)
+        if (rests && split.is_exact && !has_added(leaf) && !unsplit_.contains(leaf) && tiles_[leaf].visible_objects > 0)
             round.push_back(leaf);
     }
     return round;
@@ -505,7 +693,7 @@ bool LiveScene::make_above(const std::function<bool()>& goes_on) {
         if (round_.empty()) return false;
         next = round_.back();
         round_.pop_back();
-        is_whole = splits_.contains(next);
+        is_whole = splits_.contains(next) && !has_added(next);
     }
     if (is_whole) make_whole(next);
     make_levels(next, goes_on);
@@ -528,7 +716,8 @@ void LiveScene::make_whole(std::uint32_t leaf) {
         split.is_exact = false;
         return;
     }
-    for (const std::uint32_t object : split.out) moved_.at(object).own = {};
+    for (const std::uint32_t object : split.out)
+        if (!is_added(object)) moved_.at(object).own = {};
     splits_.erase(leaf);
     installed(leaf, std::move(content->content), std::move(shown));
     if (tiles_[leaf].stale > 0.0) unsplit_.insert(leaf);

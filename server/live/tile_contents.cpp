@@ -14,8 +14,6 @@ namespace lodestream::live {
 
 namespace {
 
-constexpr std::uint64_t max_tile_bytes = 1ull << 30;
-
 Box at_origin(const Box& box, const Vec3d& origin) {
     return box.empty() ? box : Box{box.min + origin, box.max + origin};
 }
@@ -117,6 +115,21 @@ bool is_painted(const mesh::Model& model) {
 
 }  // namespace
 
+Result<Content> content_of(const store::StoredFile& file, std::span<const std::byte> glb, double error) {
+    const Result<codec::Decoded> decoded = codec::decode_level(glb);
+    if (!decoded) return decoded.error();
+    Content content{file.hash, file.bytes, 0, error, {}, nullptr};
+    for (const codec::Primitive& primitive : decoded->primitives) {
+        const Box box = at_origin(mesh::bounds(primitive.mesh), decoded->origin);
+        content.triangles += primitive.mesh.triangles.size();
+        if (box.empty()) continue;
+        content.box.add(box.min);
+        content.box.add(box.max);
+    }
+    if (content.triangles == 0) return invalid_input("a level without triangles");
+    return content;
+}
+
 Result<ObjectsContent> make_objects_content(TransientFiles& files, const bake::SceneSource& source,
                                             std::span<const PlacedObject> objects) {
     const mesh::Model& model = source.model();
@@ -152,7 +165,9 @@ Result<std::vector<Content>> make_levels_above(TransientFiles& files, const stor
             error_below = std::max(error_below, placed.content.error * scene::largest_scale(placed.placement.matrix));
 
     const std::vector<std::uint64_t> counts = bake::tile_counts(joined->mesh.triangles.size(), is_root);
-    const bool is_bare = is_painted(*joined), may_paint = bake::can_be_painted(source.materials);
+    const bool is_bare = is_painted(*joined),
+               may_paint = bake::can_be_painted(source.materials) &&
+                           bake::can_be_painted(joined->materials);  // of added objects too
     const bake::Surface whole{is_bare ? bake::bare(joined->mesh) : joined->mesh, is_bare};
     bake::SeenSurface seen = bake::seen_from_outside(whole, counts.front(), may_paint);
     std::optional<bake::SceneColors> colors;

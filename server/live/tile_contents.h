@@ -36,6 +36,11 @@ struct PlacedContent {
     scene::Placement placement;
 };
 
+// What a stored level shows, as it lies: in its own world coordinates. Errors: invalid_input (it is none).
+Result<Content> content_of(const store::StoredFile& file, std::span<const std::byte> glb, double error);
+
+inline constexpr std::uint64_t max_tile_bytes = 1ull << 30;
+
 // The visible ones of these objects as one content at their finest; of no triangles where none is. `is_exact`: whether
 // its grid is as fine as that of objects that stay where they are; farther apart they would have to share a coarser
 // one.

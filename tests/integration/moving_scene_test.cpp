@@ -108,5 +108,41 @@ TEST_F(MovingScene, AKilledServerHasEveryChangeThatItAnsweredAndTheSceneIsWhole)
         EXPECT_TRUE(client.fetch(now->uris[i], now->bytes[i])) << now->uris[i];
 }
 
+TEST_F(MovingScene, AKilledServerHasEveryNodeThatItAnsweredToHaveAdded) {
+    std::uint32_t last = 60;
+    {
+        testing::ServerProgram server(LODESTREAM_SERVER, store);
+        std::thread killer([&] {
+            std::this_thread::sleep_for(900ms);
+            server.signal(SIGKILL);
+        });
+        sdk::Client client = open(server.url);
+        for (;;) {
+            const Mat4d place = matrix_of({0, 3.0 * last, 0}, {0, 0, 0, 1}, {0.1, 0.1, 0.1});
+            const auto changed = client.change_nodes("ship", {{proto::next_node, place, std::nullopt, "ship", 0u}});
+            if (!changed) break;
+            ASSERT_EQ(changed->added, std::vector<std::uint32_t>{last + 1});
+            ++last;
+        }
+        killer.join();
+        EXPECT_EQ(server.wait(), -SIGKILL);
+    }
+    ASSERT_GT(last, 61u);
+    const testing::ServerProgram server(LODESTREAM_SERVER, store);
+    sdk::Client client = open(server.url);
+    const auto nodes = client.nodes("ship");
+    ASSERT_TRUE(nodes) << nodes.error().message;
+    EXPECT_GE(nodes->count, last + 1u);
+    EXPECT_LE(nodes->count, last + 2u);
+    for (std::uint32_t node = 61; node <= last; ++node) {
+        EXPECT_EQ(nodes->nodes.at(node).asset, "ship");
+        EXPECT_EQ(nodes->nodes.at(node).placement.matrix[3].y, 3.0 * (node - 1));
+    }
+    const auto now = client.tileset("ship");
+    ASSERT_TRUE(now) << now.error().message;
+    for (std::size_t i = 0; i < now->uris.size(); ++i)
+        EXPECT_TRUE(client.fetch(now->uris[i], now->bytes[i])) << now->uris[i];
+}
+
 }  // namespace
 }  // namespace lodestream

@@ -60,6 +60,36 @@ TEST(NodeChanges, EveryOtherMistakeIsNamed) {
                 HasSubstr("must not be beside"));
 }
 
+TEST(NodeChanges, AnAssetMayBeShownAndANewNodeNeedsNoNumber) {
+    const auto changes = parse_node_changes(
+        R"({"nodes":[{"node":2,"asset":"crate"},{"parent":0,"asset":"crate"},{"parent":2,"asset":"crate"},{"node":9,"parent":1,"asset":""}]})");
+    ASSERT_TRUE(changes) << changes.error().message;
+    EXPECT_EQ(changes->at(0).asset, "crate");
+    EXPECT_FALSE(changes->at(0).parent);
+    EXPECT_EQ(changes->at(1).node, next_node);
+    EXPECT_EQ(changes->at(2).parent, 2u);
+    EXPECT_EQ(changes->at(3).node, 9u);
+    EXPECT_EQ(changes->at(3).asset, "");
+    const auto again = parse_node_changes(to_json(*changes));
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(to_json(*again), to_json(*changes));
+    EXPECT_THAT(refusal(R"({"nodes":[{"parent":0}]})"), HasSubstr("asset must be given"));
+    EXPECT_THAT(refusal(R"({"nodes":[{"parent":-1,"asset":"crate"}]})"), HasSubstr("nodes[0].parent"));
+    EXPECT_THAT(refusal(R"({"nodes":[{"parent":4294967295,"asset":"crate"}]})"), HasSubstr("nodes[0].parent"));
+    EXPECT_THAT(refusal(R"({"nodes":[{"node":4294967295,"asset":"crate"}]})"), HasSubstr("nodes[0].node"));
+    EXPECT_THAT(refusal(R"({"nodes":[{"node":1,"asset":3}]})"), HasSubstr("nodes[0].asset"));
+    EXPECT_THAT(refusal(R"({"nodes":[{"node":1,"asset":")" + std::string(max_asset_name + 1, 'a') + "\"}]}"),
+                HasSubstr("at most 256"));
+}
+
+TEST(NodesChanged, TellsTheNumbersOfNewNodes) {
+    const NodesChanged changed{7, 2, {31, 32}};
+    const auto back = parse_nodes_changed(to_json(changed));
+    ASSERT_TRUE(back);
+    EXPECT_EQ(back->added, changed.added);
+    EXPECT_FALSE(parse_nodes_changed(R"({"revision":7,"moved_objects":2,"added":["x"]})"));
+}
+
 TEST(NodeChanges, TooManyAreALimit) {
     std::string text = R"({"nodes":[)";
     for (std::size_t i = 0; i <= max_node_changes; ++i)

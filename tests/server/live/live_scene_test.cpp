@@ -7,6 +7,7 @@
 
 #include "common/base/random.h"
 #include "common/metric/surface_distance.h"
+#include "server/bake/bake.h"
 #include "tests/server/live/moving_scene.h"
 
 namespace lodestream::live {
@@ -288,6 +289,169 @@ TEST_F(LiveSceneTest, PlacesSurviveARestart) {
     EXPECT_LT(two_sided(expected(model, {{4, {by(0, 1, 0), true}}, {1, {Mat4d(1.0), false}}}),
                         finest_below(scene->tileset(), 0)),
               0.01);
+}
+
+// An asset that nodes may show: a small sphere at the origin.
+struct AddedTest : LiveSceneTest {
+    void SetUp() override {
+        put("crate", lodestream::testing::moved(lodestream::testing::sphere(12), {0, 0, 0}, 0.5f));
+    }
+
+    void put(const std::string& name, const mesh::Mesh& mesh) {
+        mesh::Model model;
+        model.mesh = mesh;
+        model.materials.resize(1);
+        proto::Asset small;
+        small.id = small.name = name;
+        const auto baked = lodestream::bake::bake(store, small, model);
+        ASSERT_TRUE(baked) << baked.error().message;
+        shown[name] = mesh;
+        shown[name].normals.clear();
+    }
+    mesh::Mesh crate_at(const Mat4d& matrix, const std::string& name = "crate") const {
+        return mesh::placed(shown.at(name), Vec3d(0.0), matrix);
+    }
+    static std::vector<proto::NodeChange> showing_asset(std::uint32_t node, const std::string& name,
+                                                        const Mat4d& matrix) {
+        return {{node, matrix, std::nullopt, name}};
+    }
+    static std::vector<proto::NodeChange> adding(std::uint32_t parent, const Mat4d& matrix) {
+        return {{proto::next_node, matrix, std::nullopt, "crate", parent}};
+    }
+    static mesh::Mesh both(mesh::Mesh a, const mesh::Mesh& b) {
+        mesh::append(a, b);
+        return a;
+    }
+    // The finest tiles show this; where they are true, so is what the coarsest says that it is off.
+    void expect_shows(LiveScene& scene, const mesh::Mesh& meant, bool is_true = false) const {
+        const proto::Tileset now = scene.tileset();
+        ASSERT_TRUE(scene::validate(now.nodes));
+        EXPECT_LT(two_sided(meant, finest_below(now, 0)), 0.02);
+        if (!is_true) return;
+        EXPECT_LE(two_sided(meant, content(now, 0)), 1.05 * now.nodes[0].error + 0.02);
+    }
+
+    std::map<std::string, mesh::Mesh> shown;
+};
+
+TEST_F(AddedTest, ANodeShowsAnAssetInPlaceOfItsOwnObjects) {
+    const mesh::Model model = with_nodes(spheres(3, 16));
+    bake(model);
+    const auto scene = open();
+    const Mat4d place = by(4, 2, 1);
+    change(*scene, showing_asset(5, "crate", place));
+    const double coarse = scene->tileset().nodes[0].error;
+    EXPECT_GT(coarse, 1.9) << "a sphere is missing where the coarse tile has one";
+    make_rests(*scene);
+    const mesh::Mesh meant = both(expected(model, {{4, {Mat4d(1.0), false}}}), crate_at(place));
+    expect_shows(*scene, meant);
+    make_true(*scene);
+    expect_shows(*scene, meant, true);
+    EXPECT_LT(scene->tileset().nodes[0].error, coarse);
+    const proto::SceneNode node = scene->nodes(5, 1).nodes.front();
+    EXPECT_EQ(node.asset, "crate");
+    EXPECT_EQ(node.objects, 1u);
+    EXPECT_NEAR(node.bounds.min.x, 3.5, 1e-3);
+
+    change(*scene, moving(5, by(0, 5, 0)));
+    expect_shows(*scene, both(expected(model, {{4, {Mat4d(1.0), false}}}), crate_at(by(0, 5, 0))));
+    change(*scene, showing_asset(5, "", Mat4d(1.0)));
+    make_true(*scene);
+    expect_shows(*scene, expected(model, {}), true);
+    EXPECT_EQ(scene->moved_objects(), 0u);
+}
+
+TEST_F(AddedTest, AnotherAssetTakesThePlaceOfTheFirst) {
+    put("box", lodestream::testing::moved(lodestream::testing::sphere(6), {0, 0, 0}, 0.8f));
+    const mesh::Model model = with_nodes(spheres(3, 16));
+    bake(model);
+    const auto scene = open();
+    change(*scene, showing_asset(5, "crate", by(4, 2, 1)));
+    make_true(*scene);
+    change(*scene, showing_asset(5, "box", by(4, 2, 1)));
+    make_rests(*scene);
+    const mesh::Mesh meant = both(expected(model, {{4, {Mat4d(1.0), false}}}), crate_at(by(4, 2, 1), "box"));
+    expect_shows(*scene, meant);
+    make_true(*scene);
+    expect_shows(*scene, meant, true);
+}
+
+TEST_F(AddedTest, ANewNodeIsThereAndMovesWithThoseAbove) {
+    const mesh::Model model = with_nodes(spheres(3, 16));
+    bake(model);
+    const auto scene = open();
+    const auto added = scene->change(adding(0, by(3, 4, 3)));
+    ASSERT_TRUE(added) << added.error().message;
+    EXPECT_EQ(added->added, std::vector<std::uint32_t>{10});
+    EXPECT_EQ(scene->change(adding(10, by(0, 2, 0)))->added, std::vector<std::uint32_t>{11});
+    make_rests(*scene);
+    const mesh::Mesh first = both(crate_at(by(3, 4, 3)), crate_at(by(3, 6, 3)));
+    expect_shows(*scene, both(expected(model, {}), first));
+    change(*scene, moving(10, by(0, 7, 0)));
+    expect_shows(*scene, both(expected(model, {}), both(crate_at(by(0, 7, 0)), crate_at(by(0, 9, 0)))));
+    EXPECT_EQ(scene->nodes(0, 100).count, 12u);
+    EXPECT_EQ(scene->nodes(11, 1).nodes.front().parent, 10u);
+    change(*scene, showing(10, false));
+    make_true(*scene);
+    expect_shows(*scene, expected(model, {}), true);
+    EXPECT_EQ(scene->moved_objects(), 0u) << "hidden, they are as they were before they were added";
+}
+
+TEST_F(AddedTest, ATileOfOneObjectTakesInAnother) {
+    mesh::Model model = lodestream::testing::empty_scene();
+    for (int i = 0; i < 3; ++i)
+        lodestream::testing::add_object(
+            model, lodestream::testing::moved(lodestream::testing::sphere(90), {3.0f * static_cast<float>(i), 0, 0}));
+    model = with_nodes(model);
+    bake(model);
+    const auto scene = open();
+    change(*scene, moving(2, by(0, 0, 7)));  // which leaves the tile that the new one is put beside
+    change(*scene, adding(0, by(3, 3, 0)));
+    make_rests(*scene);
+    const mesh::Mesh meant = both(expected(model, {{1, {by(0, 0, 7), true}}}), crate_at(by(3, 3, 0)));
+    expect_shows(*scene, meant);
+    make_true(*scene);
+    expect_shows(*scene, meant, true);
+}
+
+TEST_F(AddedTest, WhatWasAddedSurvivesARestartAndTheEndOfItsAsset) {
+    const mesh::Model model = with_nodes(spheres(3, 16));
+    bake(model);
+    {
+        const auto scene = open();
+        change(*scene, showing_asset(5, "crate", by(4, 2, 1)));
+        change(*scene, adding(0, by(3, 4, 3)));
+    }
+    ASSERT_TRUE(store.remove_asset("crate"));
+    const auto scene = open();
+    ASSERT_TRUE(scene);
+    EXPECT_EQ(scene->nodes(0, 100).count, 11u);
+    EXPECT_EQ(scene->nodes(5, 1).nodes.front().asset, "crate");
+    make_true(*scene);
+    const mesh::Mesh crates = both(crate_at(by(4, 2, 1)), crate_at(by(3, 4, 3)));
+    expect_shows(*scene, both(expected(model, {{4, {Mat4d(1.0), false}}}), crates), true);
+    change(*scene, moving(10, by(0, 9, 0)));
+}
+
+TEST_F(AddedTest, RefusalsChangeNothing) {
+    bake(with_nodes(spheres(3, 16)));
+    const auto scene = open();
+    const auto refusal = [&](const std::vector<proto::NodeChange>& changes) {
+        const auto changed = scene->change(changes);
+        return changed ? ErrorCode::internal : changed.error().code;
+    };
+    EXPECT_EQ(refusal(showing_asset(5, "barrel", Mat4d(1.0))), ErrorCode::not_found);
+    EXPECT_EQ(refusal(adding(10, Mat4d(1.0))), ErrorCode::not_found) << "no such parent";
+    EXPECT_EQ(refusal({{12, Mat4d(1.0), std::nullopt, "crate", 0u}}), ErrorCode::conflict) << "10 is next";
+    proto::Asset baking;
+    baking.id = baking.name = "baking";
+    ASSERT_TRUE(store.put_asset(baking));
+    EXPECT_EQ(refusal(showing_asset(5, "baking", Mat4d(1.0))), ErrorCode::conflict);
+    EXPECT_EQ(refusal({{proto::next_node, Mat4d(1.0), std::nullopt, "crate", 0u}, {77, Mat4d(1.0), std::nullopt}}),
+              ErrorCode::not_found);
+    EXPECT_EQ(scene->nodes(0, 100).count, 10u);
+    EXPECT_EQ(scene->revision(), 0u);
+    EXPECT_FALSE(*store.has_nodes(asset.id));
 }
 
 TEST_F(LiveSceneTest, FarAwayAnObjectKeepsItsPrecision) {
