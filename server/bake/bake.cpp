@@ -9,9 +9,10 @@
 #include <cstdlib>
 #include <exception>
 #include <mutex>
-#include <numeric>
 #include <optional>
+#include <set>
 #include <sstream>
+#include <string>
 
 #include "common/codec/level_codec.h"
 #include "common/mesh/instances.h"
@@ -175,7 +176,9 @@ Status make_hierarchy(store::Store& store, proto::Asset& asset, const SceneParts
     hierarchy.tiles = tree->nodes.size();
     hierarchy.depth = depth(tree->nodes);
     for (const scene::LodNode& node : tree->nodes) hierarchy.triangles += node.triangles;
-    hierarchy.bytes = std::accumulate(tree->bytes.begin(), tree->bytes.end(), std::uint64_t{0});
+    std::set<std::string> contents;  // instances share theirs
+    for (std::size_t i = 0; i < tree->hashes.size(); ++i)
+        if (contents.insert(tree->hashes[i]).second) hierarchy.bytes += tree->bytes[i];
     hierarchy.max_error = tree->nodes.front().error;
     hierarchy.bake_ms = watch.ms();
     return Nothing{};
@@ -223,7 +226,6 @@ Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::
     const bool is_cut_from_instances = flat.has_value();
     if (flat && flat->error.max > 0.0) asset.warnings.push_back(roughened(*flat, asset.triangles));
     WholeModel whole = flat ? *std::move(flat) : WholeModel{std::move(model), {}};
-    flat.reset();
     model = {};
 
     const double begun = model.objects > 1 ? tiled_share : 0.0;

@@ -237,7 +237,8 @@ void add_gear(Yard& yard, const ShipPlan& plan, Random& random, std::uint64_t ob
     each(window_share, [&](std::uint64_t k, std::uint64_t n) {
         const auto levels = static_cast<std::uint64_t>(plan.house_levels);
         const std::uint64_t columns = std::max<std::uint64_t>(1, (n + 2 * levels - 1) / (2 * levels));
-        const double position = (static_cast<double>(k / (2 * levels)) + 0.5) / static_cast<double>(columns);
+        const std::uint64_t column = k / (2 * levels);
+        const double position = (static_cast<double>(column) + 0.5) / static_cast<double>(columns);
         yard.put(window, window_place(plan, position, static_cast<int>(k / 2 % levels), k % 2 == 1), add_window);
     });
     each(vent_share, [&](std::uint64_t k, std::uint64_t n) {
