@@ -85,6 +85,8 @@ Result<Program> link(const char* head) {
     }
     const auto uniform = [&](const char* name) { return glGetUniformLocation(program.id, name); };
     program.clip_from_scene = uniform("u_clip_from_scene");
+    program.view_from_scene = uniform("u_view_from_scene");
+    program.picture = uniform("u_picture");
     program.offset = uniform("u_offset");
     program.eye = uniform("u_eye");
     program.lights = uniform("u_lights");
@@ -95,6 +97,7 @@ Result<Program> link(const char* head) {
     program.alpha_cutoff = uniform("u_alpha_cutoff");
     program.disc = uniform("u_disc");
     program.share = uniform("u_share");
+    if (is_of_discs(program)) return program;  // no textures
     glUseProgram(program.id);
     glUniform1i(uniform("u_base_color_texture"), 0);
     glUniform1i(uniform("u_emissive_texture"), 1);

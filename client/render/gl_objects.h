@@ -31,9 +31,13 @@ enum Location : GLuint {
 // Locations are -1 where the program has no such uniform.
 struct Program {
     GLuint id = 0;
-    GLint clip_from_scene = -1, offset = -1, eye = -1, lights = -1, light_count = -1, phong = -1, base_color = -1,
-          emissive = -1, alpha_cutoff = -1, disc = -1, share = -1;
+    GLint clip_from_scene = -1, view_from_scene = -1, picture = -1, offset = -1, eye = -1, lights = -1,
+          light_count = -1, phong = -1, base_color = -1, emissive = -1, alpha_cutoff = -1, disc = -1, share = -1;
 };
+
+inline bool is_of_discs(const Program& program) {
+    return program.disc >= 0;
+}
 
 // `head`: the version and what is defined. Errors: internal, with the driver's words.
 Result<Program> link(const char* head);

@@ -149,11 +149,12 @@ struct Renderer::Impl {
     Status check(const DrawOptions& options) const;
     Status prepare_targets(const DrawOptions& options);
     double disc_radius(std::uint64_t points) const;
+    std::uint64_t points_worth_drawing(const Sphere& sphere) const;
     bool may_see(const Sphere& sphere) const;
     void show(const DrawOptions& options, const std::vector<Sphere>& spheres);
     Status show_parts(const DrawOptions& options);
-    void set_camera(const Program& program, const Camera& camera, const std::vector<Vec4f>& lights,
-                    const shading::Phong& phong) const;
+    void set_lights(const Program& program, const std::vector<Vec4f>& lights, const shading::Phong& phong) const;
+    void set_camera(const Program& program, const Camera& camera) const;
     void bind_texture(GLenum unit, const mesh::TextureReference& reference, const Group& group) const;
     void set_material(const Program& program, const mesh::Material& material, const Group& group) const;
     void set_share(const Program& program, const Share& share) const;
@@ -422,11 +423,17 @@ Status Renderer::Impl::prepare_targets(const DrawOptions& options) {
     return Nothing{};
 }
 
-void Renderer::Impl::set_camera(const Program& program, const Camera& camera, const std::vector<Vec4f>& lights,
-                                const shading::Phong& phong) const {
-    glUseProgram(program.id);
+void Renderer::Impl::set_camera(const Program& program, const Camera& camera) const {
+    const float width = static_cast<float>(target.width), height = static_cast<float>(target.height);
     glUniformMatrix4fv(program.clip_from_scene, 1, GL_FALSE, &camera.clip_from_scene[0][0]);
     glUniform3f(program.eye, camera.eye.x, camera.eye.y, camera.eye.z);
+    if (!is_of_discs(program)) return;
+    glUniformMatrix3fv(program.view_from_scene, 1, GL_FALSE, &camera.view_from_scene[0][0]);
+    glUniform3f(program.picture, 0.5f * width, 0.5f * height, height * static_cast<float>(camera.heights_per_unit));
+}
+
+void Renderer::Impl::set_lights(const Program& program, const std::vector<Vec4f>& lights,
+                                const shading::Phong& phong) const {
     glUniform4fv(program.lights, static_cast<GLsizei>(lights.size()), &lights[0][0]);
     glUniform1i(program.light_count, static_cast<GLint>(lights.size()));
     glUniform4f(program.phong, static_cast<float>(phong.ambient), static_cast<float>(phong.diffuse),
@@ -446,19 +453,20 @@ void Renderer::Impl::set_material(const Program& program, const mesh::Material& 
     const bool mask = material.alpha_mode == mesh::AlphaMode::mask;
     const Vec4f& base = material.base_color;
     glUniform4f(program.base_color, base.r, base.g, base.b, base.a);
+    glDepthMask(blend ? GL_FALSE : GL_TRUE);
+    blend ? glEnable(GL_BLEND) : glDisable(GL_BLEND);
+    if (is_of_discs(program)) return;  // opaque, without textures
     glUniform3f(program.emissive, material.emissive.r, material.emissive.g, material.emissive.b);
     glUniform1f(program.alpha_cutoff, mask ? material.alpha_cutoff : -1.0f);
     bind_texture(GL_TEXTURE0, material.base_color_texture, group);
     bind_texture(GL_TEXTURE1, material.emissive_texture, group);
-    glDepthMask(blend ? GL_FALSE : GL_TRUE);
-    blend ? glEnable(GL_BLEND) : glDisable(GL_BLEND);
 }
 
 // Quads read their corners from no buffer, and an attribute once a disc.
 void Renderer::Impl::draw_discs(const Program& program, const Shown& instance) {
-    const float widening = target.samples > 1 && !has_sample_shading ? 1.0f : 0.0f;
+    const float widening_px = target.samples > 1 ? 1.0f : 0.0f;
     const float largest_px = instance.as_quads ? largest_quad_px : max_point_px;
-    glUniform4f(program.disc, instance.radius, 0.5f * static_cast<float>(target.height), widening, largest_px);
+    glUniform3f(program.disc, instance.radius, widening_px, largest_px);
     for (const GLuint location : {location_position, location_color, location_normal_or_previous})
         glVertexAttribDivisor(location, instance.as_quads ? 1 : 0);
     if (instance.as_quads)
@@ -514,6 +522,16 @@ double Renderer::Impl::disc_radius(std::uint64_t points) const {
     return std::min(points::level_of(levels, points).radius / placement.radius, largest_disc_radius);
 }
 
+// Of a cloud whose bounding sphere is there.
+std::uint64_t Renderer::Impl::points_worth_drawing(const Sphere& sphere) const {
+    double px_per_unit = 0.0;
+    for (const Camera& camera : exposures)
+        px_per_unit = std::max(px_per_unit, largest_px_per_unit(camera, sphere, target.height));
+    if (levels.empty()) return level.uploaded.points;
+    const double radius = std::min(least_disc_px / px_per_unit, least_disc_share);
+    return std::min(level.uploaded.points, points::points_for(levels, radius * placement.radius));
+}
+
 // By any exposure: what only an earlier moment shows is shown.
 bool Renderer::Impl::may_see(const Sphere& sphere) const {
     return std::any_of(exposures.begin(), exposures.end(),
@@ -540,7 +558,7 @@ Status Renderer::Impl::show_parts(const DrawOptions& options) {
 void Renderer::Impl::show(const DrawOptions& options, const std::vector<Sphere>& spheres) {
     shown.clear();
     for (std::size_t i = 0; i < spheres.size(); ++i) {
-        const std::uint64_t points = std::min(options.instances[i].points, level.uploaded.points);
+        const std::uint64_t points = std::min(options.instances[i].points, points_worth_drawing(spheres[i]));
         if (points == 0 && level.uploaded.points > 0) continue;
         const Share& share = options.instances[i].share;
         const double radius = disc_radius(points);
@@ -576,8 +594,7 @@ void Renderer::Impl::draw_exposures(const Program& program, const Batch& batch, 
         for (std::size_t s = i; s < target.samples; s += exposures.size()) samples |= 1u << s;
         glSampleMaski(0, samples);
         const Camera& camera = exposures[i];
-        glUniformMatrix4fv(program.clip_from_scene, 1, GL_FALSE, &camera.clip_from_scene[0][0]);
-        glUniform3f(program.eye, camera.eye.x, camera.eye.y, camera.eye.z);
+        set_camera(program, camera);
         if (camera.sees_scene) draw_batch(program, batch, style, fades);
     }
     glDisable(GL_SAMPLE_MASK);
@@ -616,8 +633,12 @@ void Renderer::Impl::draw_frame(const std::vector<Vec4f>& lights, const DrawOpti
     glClearColor(options.background.r, options.background.g, options.background.b, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     if (!shown.empty()) {
-        for (const Program& program : programs) set_camera(program, exposures.back(), lights, options.phong);
-        for (const Program& program : fading_programs) set_camera(program, exposures.back(), lights, options.phong);
+        for (const auto* all : {&programs, &fading_programs})
+            for (const Program& program : *all) {
+                glUseProgram(program.id);
+                set_camera(program, exposures.back());
+                set_lights(program, lights, options.phong);
+            }
         glVertexAttrib4f(location_color, 1.0f, 1.0f, 1.0f, 1.0f);
         glVertexAttrib3f(location_normal_or_previous, 0.0f, 0.0f, 0.0f);
         for (const Batch& batch : batches) {

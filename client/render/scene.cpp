@@ -321,7 +321,7 @@ Streams disc_streams(const points::PointCloud& cloud, const Placement& placement
     s.positions.reserve(cloud.positions.size());
     for (const Vec3f& p : cloud.positions) s.positions.push_back(to_scene(p, placement));
     s.normals.reserve(cloud.normals.size());
-    for (const Vec3f& n : cloud.normals) s.normals.push_back(finite_or_zero(n));
+    for (const Vec3f& n : cloud.normals) s.normals.emplace_back(direction(Vec3d(finite_or_zero(n))));
     s.colors = cloud.colors;
     return s;
 }
@@ -436,7 +436,10 @@ Camera make_camera(const shading::View& view, const Vec3d& origin, const Placeme
     if (!(far > 0.0)) return camera;
     const double near = std::max(depth - reach, far * near_share_of_far);
     camera.eye = Vec3f(eye);
-    camera.clip_from_scene = Mat4f(perspective(tan_half_fov_y(view), aspect, near, far) * look(eye, camera.forward));
+    const Mat4d view_from_scene = look(eye, camera.forward);
+    camera.clip_from_scene = Mat4f(perspective(tan_half_fov_y(view), aspect, near, far) * view_from_scene);
+    camera.view_from_scene = Mat3f(view_from_scene);
+    camera.heights_per_unit = 0.5 / tan_half_fov_y(view);
     camera.sees_scene = true;
     return camera;
 }
@@ -455,6 +458,12 @@ bool may_see(const Camera& camera, const Sphere& sphere) {
 
 bool lies_within(const Camera& camera, const Sphere& sphere) {
     return depth_inside(camera, sphere.center, 2) >= sphere.radius * (1.0 + plane_margin);
+}
+
+double largest_px_per_unit(const Camera& camera, const Sphere& sphere, double height_px) {
+    const Mat4d rows = transpose(Mat4d(camera.clip_from_scene));
+    const double depth = dot(rows[3], Vec4d(sphere.center, 1.0)) - sphere.radius;
+    return depth > 0.0 ? camera.heights_per_unit * height_px / depth : std::numeric_limits<double>::infinity();
 }
 
 double largest_disc_px(const Camera& camera, const Sphere& sphere, double radius, double height_px) {

@@ -83,7 +83,9 @@ Placement place(const Box& scene);
 struct Camera {
     bool sees_scene = false;  // false: all of it is behind the eye, or much smaller than a pixel
     Mat4f clip_from_scene{1.0f};
-    Vec3f eye{0.0f};  // scene coordinates
+    Mat3f view_from_scene{1.0f};    // axes to the right, up and backwards
+    double heights_per_unit = 1.0;  // of the picture, at depth 1
+    Vec3f eye{0.0f};                // scene coordinates
     Vec3d forward{0.0};
 };
 
@@ -97,6 +99,8 @@ Camera make_camera(const shading::View& view, const Vec3d& origin, const Placeme
 bool may_see(const Camera& camera, const Sphere& sphere);
 // Only where all of the sphere is between the picture's sides.
 bool lies_within(const Camera& camera, const Sphere& sphere);
+// Of a unit across the view at the sphere's nearest place; infinite where that is not in front of the eye.
+double largest_px_per_unit(const Camera& camera, const Sphere& sphere, double height_px);
 // No disc of this radius whose centre lies in both sphere and picture is larger in the picture, of `height_px`;
 // infinite where one may reach beside the eye.
 double largest_disc_px(const Camera& camera, const Sphere& sphere, double radius, double height_px);

@@ -23,26 +23,30 @@ inline constexpr const char* vertex_shader = R"(
 precision highp float;
 layout(location = 0) in vec3 a_position;
 layout(location = 1) in vec4 a_color;
+#ifdef DISCS
+layout(location = 3) in vec3 a_normal;  // of unit length; zero: faces the eye
+flat out vec3 v_color;   // lit
+flat out vec3 v_square;  // of x², xy, y² of the place on the sprite, each in [-1, 1]
+flat out vec3 v_linear;  // of x, y, 1; the disc is where the sum is not above zero
+uniform mat3 u_view_from_scene;  // axes to the right, up and backwards
+uniform vec3 u_picture;          // half its width and height, a unit at depth 1; px
+uniform vec3 u_disc;             // radius, px to widen a sprite by, largest sprite in px
+#ifdef QUADS
+out vec2 v_at;  // the place on the sprite
+#endif
+#else
 layout(location = 2) in vec2 a_texture_coordinate;
 #ifdef FLAT
 layout(location = 3) in vec3 a_previous_corner;
 layout(location = 4) in vec3 a_first_corner;
 flat out vec2 v_light;  // diffuse, specular
-#elif defined(DISCS)
-layout(location = 3) in vec3 a_normal;  // zero: faces the eye
-flat out vec2 v_light;
-flat out vec3 v_square;  // of x², xy, y² of the place on the sprite, each in [-1, 1]
-flat out vec3 v_linear;  // of x, y, 1; the disc is where the sum is not above zero
-uniform vec4 u_disc;     // radius, half the picture's height in px, px to widen a sprite by, largest sprite in px
-#ifdef QUADS
-out vec2 v_at;  // the place on the sprite
-#endif
 #else
 layout(location = 3) in vec3 a_normal;
 out vec4 v_light;  // diffuse, specular; the same of the back
 #endif
 out vec4 v_color;
 out vec2 v_texture_coordinate;
+#endif
 uniform mat4 u_clip_from_scene;
 uniform vec3 u_offset;  // of the instance
 uniform vec3 u_eye;
@@ -84,24 +88,20 @@ float stretch(float radius, vec3 center, float depth) {
 
 void shape_disc(vec3 position, vec3 normal) {
     const float least_px = 1e-4;
-    mat4 m = transpose(u_clip_from_scene);
-    vec3 right = normalize(m[0].xyz), up = normalize(m[1].xyz), back = cross(right, up);
-    mat3 view_axes = transpose(mat3(right, up, back));
-    float depth = max(gl_Position.w, 1e-6), px_per_unit = u_disc.y * length(m[1].xyz) / depth;
+    float depth = max(gl_Position.w, 1e-6), px_per_unit = u_picture.z / depth;
     float radius = max(u_disc.x, least_px / px_per_unit);
-    vec3 center = view_axes * (position - u_eye);
-    float side = clamp(2.0 * radius * px_per_unit * stretch(radius, center, depth), 1.0, u_disc.w) + u_disc.z;
+    vec3 center = u_view_from_scene * (position - u_eye);
+    float side = clamp(2.0 * radius * px_per_unit * stretch(radius, center, depth), 1.0, u_disc.z) + u_disc.y;
 #ifdef QUADS
     vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
-    vec2 half_picture = u_disc.y * vec2(length(m[1].xyz) / length(m[0].xyz), 1.0);
-    gl_Position.xy += corner * (0.5 * side / half_picture) * gl_Position.w;
+    gl_Position.xy += corner * (0.5 * side / u_picture.xy) * gl_Position.w;
     v_at = vec2(corner.x, -corner.y);
 #else
     gl_PointSize = side;
 #endif
     float reach = 0.5 * side / (radius * px_per_unit);  // half the sprite's side, in radii
     float nearness = radius / max(length(center), 1e-6 * radius);
-    vec3 c = center * (nearness / radius), n = view_axes * normal;
+    vec3 c = center * (nearness / radius), n = u_view_from_scene * normal;
     vec3 x = cross(n, cross(vec3(reach, 0.0, 0.0), c)), y = cross(n, cross(vec3(0.0, -reach, 0.0), c));
     vec2 tilt = vec2(reach * n.x, -reach * n.y) * nearness;
     float facing = dot(n, c);
@@ -113,6 +113,13 @@ void shape_disc(vec3 position, vec3 normal) {
 void main() {
     vec3 position = a_position + u_offset;
     gl_Position = u_clip_from_scene * vec4(position, 1.0);
+#ifdef DISCS
+    vec3 to_eye = unit_or_zero(u_eye - position);
+    vec3 normal = a_normal == vec3(0.0) ? to_eye : dot(a_normal, to_eye) < 0.0 ? -a_normal : a_normal;
+    vec2 light = light_both_sides(normal, position).xy;
+    v_color = u_base_color.rgb * a_color.rgb * light.x + light.y;
+    shape_disc(position, normal);
+#else
     v_color = u_base_color * a_color;
     v_texture_coordinate = a_texture_coordinate;
 #ifdef FLAT
@@ -120,14 +127,9 @@ void main() {
     vec3 normal = unit_or_zero(cross(a_previous_corner - a_first_corner, a_position - a_first_corner));
     vec4 light = light_both_sides(normal, center);
     v_light = dot(normal, u_eye - center) >= 0.0 ? light.xy : light.zw;
-#elif defined(DISCS)
-    vec3 to_eye = unit_or_zero(u_eye - position);
-    vec3 normal = a_normal == vec3(0.0) ? to_eye : unit_or_zero(a_normal);
-    vec4 light = light_both_sides(normal, position);
-    v_light = dot(normal, to_eye) >= 0.0 ? light.xy : light.zw;
-    shape_disc(position, normal);
 #else
     v_light = light_both_sides(unit_or_zero(a_normal), position);
+#endif
 #endif
 }
 )";
@@ -135,17 +137,18 @@ void main() {
 inline constexpr const char* fragment_shader = R"(
 precision highp float;
 precision highp int;
-#if defined(FLAT) || defined(DISCS)
+#ifdef DISCS
+flat in vec3 v_color;
+flat in vec3 v_square;
+flat in vec3 v_linear;
+#ifdef QUADS
+in vec2 v_at;
+#endif
+#else
+#ifdef FLAT
 flat in vec2 v_light;
 #else
 in vec4 v_light;
-#endif
-#ifdef DISCS
-flat in vec3 v_square;
-flat in vec3 v_linear;
-#endif
-#ifdef QUADS
-in vec2 v_at;
 #endif
 in vec4 v_color;
 in vec2 v_texture_coordinate;
@@ -153,6 +156,7 @@ uniform sampler2D u_base_color_texture;
 uniform sampler2D u_emissive_texture;
 uniform vec3 u_emissive;
 uniform float u_alpha_cutoff;
+#endif
 out vec4 color;
 
 #ifdef FADING
@@ -191,9 +195,10 @@ void main() {
 #else
     vec2 at = 2.0 * gl_PointCoord - 1.0;
 #endif
-    if (dot(v_square, vec3(at.x * at.x, at.x * at.y, at.y * at.y)) + dot(v_linear, vec3(at, 1.0)) > 0.0) discard;
-#endif
-#if defined(FLAT) || defined(DISCS)
+    if (dot(v_square, vec3(at.x * at, at.y * at.y)) + dot(v_linear, vec3(at, 1.0)) > 0.0) discard;
+    color = vec4(v_color, 1.0);
+#else
+#ifdef FLAT
     vec2 light = v_light;
 #else
     vec2 light = gl_FrontFacing ? v_light.xy : v_light.zw;
@@ -202,6 +207,7 @@ void main() {
     if (base.a < u_alpha_cutoff) discard;
     vec3 emitted = u_emissive * texture(u_emissive_texture, v_texture_coordinate).rgb;
     color = vec4(base.rgb * light.x + light.y + emitted, base.a);
+#endif
 }
 )";
 

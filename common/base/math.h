@@ -16,6 +16,7 @@ using Vec3d = glm::dvec3;
 using Vec4d = glm::dvec4;
 using Mat3d = glm::dmat3;
 using Mat4d = glm::dmat4;
+using Mat3f = glm::mat3;
 using Mat4f = glm::mat4;
 using Rgba8 = glm::u8vec4;
 

@@ -8,17 +8,22 @@ namespace lodestream::points {
 
 namespace {
 
-// Of a disc's radius over the spacing: the points that order() chose from are themselves apart.
-constexpr double covering = 1.35;
+// Of a disc's radius: the points keep their distance within a tenth, and those that order() chose from, which none of
+// the surface is farther from than that, are themselves apart.
+constexpr double covering = 1.1, covering_choice = 0.25;
 
 // Where the cloud is used up, its last points are as near to others as any two happen to be, which says nothing of the
 // gaps between the rest. So a half and a quarter of the points tell too: on a surface, twice as many are closer by
 // the square root of two.
-double radius_of(const std::vector<float>& spacings, std::uint64_t points) {
+double spacing_of(const std::vector<float>& spacings, std::uint64_t points) {
     double spacing = spacings[points - 1];
     for (const std::uint64_t part : {2, 4})
         spacing = std::max(spacing, spacings[(points - 1) / part] / std::sqrt(static_cast<double>(part)));
-    return covering * spacing;
+    return spacing;
+}
+
+double radius_of(const std::vector<float>& spacings, std::uint64_t points) {
+    return covering * spacing_of(spacings, points) + covering_choice * spacing_of(spacings, spacings.size());
 }
 
 }  // namespace
@@ -73,6 +78,18 @@ Level level_of(std::span<const Level> levels, std::uint64_t count) {
     const double coarsest = coarser == levels.end() ? std::numeric_limits<double>::infinity() : coarser->radius;
     level.radius = std::min(finer.radius * thinned, coarsest);
     return level;
+}
+
+std::uint64_t points_for(std::span<const Level> levels, double radius) {
+    std::uint64_t low = levels.back().points, high = levels.front().points;
+    while (low < high) {
+        const std::uint64_t middle = low + (high - low) / 2;
+        if (level_of(levels, middle).radius <= radius)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return high;
 }
 
 }  // namespace lodestream::points

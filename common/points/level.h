@@ -37,4 +37,8 @@ std::vector<Level> measured_levels(const metric::SurfaceIndex& original, const m
 // empty
 Level level_of(std::span<const Level> levels, std::uint64_t count);
 
+// The fewest points, of the levels from the coarsest to the finest, whose discs have at most that radius; the finest
+// where none do. pre: likewise
+std::uint64_t points_for(std::span<const Level> levels, double radius);
+
 }  // namespace lodestream::points

@@ -26,20 +26,6 @@ std::uint64_t bytes_per_point(const points::PointCloud& cloud, proto::Profile pr
     return plain.stride() / (profile == proto::Profile::lean ? lean_divisor : 1);
 }
 
-// The fewest points whose discs are as small as a picture can tell.
-std::uint64_t points_shown(const std::vector<points::Level>& levels, double pixels_per_unit) {
-    if (levels.empty()) return 0;
-    std::uint64_t low = 1, high = levels.front().points;
-    while (low < high) {
-        const std::uint64_t middle = low + (high - low) / 2;
-        if (points::level_of(levels, middle).radius * pixels_per_unit <= smallest_disc_px)
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return high;
-}
-
 Box bounds_of(const points::PointCloud& cloud) {
     Box box;
     for (const Vec3f& p : cloud.positions) box.add(Vec3d(p));
@@ -92,8 +78,8 @@ Result<PointLevel> plan_points(const store::Store& store, const proto::Asset& as
     level.profile = request.profile;
     const std::uint64_t bytes_each = bytes_per_point(level.points.cloud, level.profile);
     const Result<budget::PointBudget> budget = budget::derive_point_budget(
-        request.budget,
-        {levels.front().points, asset.triangles, points_shown(levels, pixels_per_unit), header_bytes, bytes_each});
+        request.budget, {levels.front().points, asset.triangles,
+                         points::points_for(levels, smallest_disc_px / pixels_per_unit), header_bytes, bytes_each});
     if (!budget) return budget.error();
     level.budget = *budget;
     level.bytes = header_bytes + level.budget.points * bytes_each;

@@ -194,6 +194,49 @@ TEST_F(DiscsTest, FarAwayPointsCoverWhatTheMeshCovers) {
     }
 }
 
+TEST_F(DiscsTest, NoMorePointsAreDrawnThanThePictureNeeds) {
+    constexpr std::uint64_t all = 16'000;
+    codec::Points cloud = points_of(testing::sphere(90), all);
+    ASSERT_TRUE(renderer->upload(cloud));
+    const auto drawn_from = [&](double distance) {
+        const auto frame = renderer->draw({{0, 0, distance}, {0, 0, 0}, 45.0, {0, 0, 1}}, canvas(1024));
+        EXPECT_TRUE(frame);
+        return frame->points;
+    };
+    EXPECT_EQ(drawn_from(10.0), all);
+    const double sphere = world_bounds(cloud).radius();
+    std::uint64_t before = all;
+    for (const double distance : {40.0, 50.0, 60.0, 200.0}) {
+        const double px_per_unit = 512.0 / std::tan(radians(22.5)) / (distance - sphere);
+        const std::uint64_t points = drawn_from(distance);
+        EXPECT_LT(points, before) << distance;
+        EXPECT_NEAR(points::level_of(cloud.levels, points).radius,
+                    std::min(least_disc_px / px_per_unit, sphere * least_disc_share), 1e-3)
+            << distance;
+        before = points;
+    }
+    cloud.levels.resize(1);  // such as a lean level's, of whose order nothing is told
+    ASSERT_TRUE(renderer->upload(cloud));
+    EXPECT_EQ(drawn_from(200.0), all);
+}
+
+// Sprites of about a pixel are drawn as whole pixels; what reaches into the next one must not be lost.
+TEST_F(DiscsTest, DiscsSmallerThanAPixelLeaveNoHolesBetweenSamples) {
+    const mesh::Mesh sphere = testing::sphere(60);
+    codec::Points cloud = points_of(sphere, 8000);
+    cloud.levels.resize(1);
+    const View view{{0.0, 0, 20.0}, {0, 0, 0}, 45.0, {0, 0, 1}};  // discs of half a pixel
+    const Image full = picture(drawable(model_of(sphere), sphere), view, canvas(256, 4));
+    const Image points = picture(cloud, view, canvas(256, 4));
+    const double radius = 128.0 / std::tan(radians(22.5)) / 20.0 - 2.0;
+    for (std::uint32_t y = 0; y < 256; ++y)
+        for (std::uint32_t x = 0; x < 256; ++x)
+            if (std::hypot(x - 127.5, y - 127.5) < radius) {
+                const std::size_t at = 4 * (256 * y + x);
+                ASSERT_NEAR(points.rgba[at], full.rgba[at], 30) << x << ", " << y;
+            }
+}
+
 TEST_F(DiscsTest, SamplesSmoothTheOutlineAsTheyDoForTriangles) {
     const mesh::Mesh sphere = testing::sphere(60);
     const Image full = picture(drawable(model_of(sphere), sphere), from_front, canvas(128, 4));

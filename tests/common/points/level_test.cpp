@@ -5,6 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+#include <span>
+
 namespace lodestream::points {
 namespace {
 
@@ -88,6 +92,20 @@ TEST(Level, NoLevelHasLargerDiscsThanACoarserOne) {
     const std::vector<Level> levels{{400, {1, 2}, 1.0}, {200, {2, 3}, 1.1}, {100, {4, 6}, 2.0}};
     for (std::uint64_t points = 399; points > 100; --points)
         EXPECT_LE(level_of(levels, points + 1).radius, level_of(levels, points).radius) << points;
+}
+
+TEST(Level, AsManyPointsAsMakeDiscsOfARadius) {
+    const std::vector<Level> levels{{400, {1, 2}, 1.0}, {200, {2, 3}, 1.4}, {100, {4, 6}, 2.0}};
+    EXPECT_EQ(points_for(levels, 1.4), 200u);
+    EXPECT_EQ(points_for(levels, 3.0), 100u);  // coarser levels are not told of
+    for (const double finer : {0.5, 0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
+        EXPECT_EQ(points_for(levels, finer), 400u) << finer;
+    for (const double radius : {1.05, 1.3, 1.41, 1.99}) {
+        const std::uint64_t points = points_for(levels, radius);
+        EXPECT_LE(level_of(levels, points).radius, radius);
+        EXPECT_GT(level_of(levels, points - 1).radius, radius);
+    }
+    EXPECT_EQ(points_for(std::span(levels).first(1), 9.0), 400u);
 }
 
 }  // namespace

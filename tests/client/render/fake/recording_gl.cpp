@@ -581,6 +581,9 @@ void glUniform4f(GLint location, GLfloat x, GLfloat y, GLfloat z, GLfloat w) {
 void glUniform4fv(GLint location, GLsizei count, const GLfloat* values) {
     now().set_uniform(location, {"vec4"}, std::span(values, static_cast<std::size_t>(count) * 4));
 }
+void glUniformMatrix3fv(GLint location, GLsizei count, GLboolean, const GLfloat* values) {
+    now().set_uniform(location, {"mat3"}, std::span(values, static_cast<std::size_t>(count) * 9));
+}
 void glUniformMatrix4fv(GLint location, GLsizei count, GLboolean, const GLfloat* values) {
     now().set_uniform(location, {"mat4"}, std::span(values, static_cast<std::size_t>(count) * 16));
 }
