@@ -169,7 +169,7 @@ Status read_tile(const Json& tile, Tileset& tileset, std::size_t i) {
     std::optional<Error> error;
     const Fields fields(tile, "", error);
     scene::LodNode& node = tileset.nodes[i];
-    std::string refine = "REPLACE", uri;
+    std::string refine = i == 0 || !tileset.is_additive ? "REPLACE" : "ADD", uri;
     std::uint64_t bytes = 0;
     std::uint32_t scene_node = no_scene_node;
     std::optional<std::uint64_t> id;
@@ -183,7 +183,10 @@ Status read_tile(const Json& tile, Tileset& tileset, std::size_t i) {
         extras->read("id", id);
     }
     if (error) return *error;
-    if (refine != "REPLACE") return fail(ErrorCode::unsupported, "its refinement is not REPLACE");
+    if (refine != "REPLACE" && refine != "ADD") return invalid_input("its refinement is neither REPLACE nor ADD");
+    if (i == 0) tileset.is_additive = refine == "ADD";
+    if (tileset.is_additive != (refine == "ADD"))
+        return fail(ErrorCode::unsupported, "its refinement is another than the root's");
     if (uri.empty()) return fail(ErrorCode::unsupported, "it has no content");
     const auto volume = tile.find("boundingVolume");
     if (volume == tile.end()) return invalid_input("it has no bounding volume");

@@ -39,9 +39,9 @@ std::string to_json(const Tileset& tileset);
 inline constexpr std::size_t max_tileset_depth = 200;  // of its JSON: about half as many tiles
 inline constexpr std::size_t max_tiles = 1'000'000;
 
-// Reads what to_json() wrote and other tilesets of its kind: boxes, one content a tile, replacement. Boxes are made to
-// hold those of their children, and errors not to be below theirs. Hostile text. Errors: invalid_input (names the
-// tile), unsupported (other volumes, additive refinement, tiles without content), limit_exceeded.
+// Reads what to_json() wrote and other tilesets of its kind: boxes, one content a tile, one refinement for all. Boxes
+// are made to hold those of their children, and errors not to be below theirs. Hostile text. Errors: invalid_input
+// (names the tile), unsupported (other volumes, both refinements in one, tiles without content), limit_exceeded.
 Result<Tileset> parse_tileset(std::string_view json);
 
 }  // namespace lodestream::proto

@@ -140,6 +140,7 @@ Status study_hlod(sdk::Client& client, render::Renderer& renderer, const proto::
                   const render::Image& full, std::uint32_t frames, AssetResult& result) {
     Result<proto::Tileset> tileset = client.tileset(result.asset.id);
     if (!tileset) return tileset.error();
+    if (tileset->is_additive) return fail(ErrorCode::unsupported, "its tiles are points");
     Tiles tiles(client, *std::move(tileset));
     const scene::View seen = scene_view(*request.view, full);
     if (Status valid = scene::validate(seen); !valid) return valid.error();

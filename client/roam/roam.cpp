@@ -335,6 +335,8 @@ class Roamer {
 Result<Roamed> roam(render::Renderer& renderer, proto::Tileset tileset, Tiles& tiles, const motion::Trace& motion,
                     const shading::View& home, const RoamOptions& options) {
     if (Status sound = check(options); !sound) return sound.error();
+    if (tileset.is_additive)
+        return fail(ErrorCode::unsupported, "the tileset is of points, whose tiles add to each other");
     if (motion.empty()) return invalid_input("a motion needs at least one sample");
     const double frames = std::floor(motion::duration_s(motion) * options.fps) + 1.0;
     if (!(frames <= static_cast<double>(max_frames)))

@@ -70,9 +70,9 @@ struct Roamed {
 };
 
 // `home` is the view where the motion gives no position. Frames are the background until the root is here. Popping is
-// not counted against that. Errors: invalid_input (options), limit_exceeded (more than max_frames; the GPU's memory),
-// those of the renderer, and why the root could not be had. `tiles` has adopted nothing yet. pre:
-// validate(tileset.nodes), as many bytes as nodes
+// not counted against that. Errors: invalid_input (options), unsupported (tiles of points), limit_exceeded (more than
+// max_frames; the GPU's memory), those of the renderer, and why the root could not be had. `tiles` has adopted nothing
+// yet. pre: validate(tileset.nodes), as many bytes as nodes
 Result<Roamed> roam(render::Renderer& renderer, proto::Tileset tileset, Tiles& tiles, const motion::Trace& motion,
                     const shading::View& home, const RoamOptions& options);
 

@@ -47,11 +47,19 @@ TEST(Tileset, IsTheTreeWithItsErrors) {
     EXPECT_FALSE(root["children"][1].contains("children"));
 }
 
-TEST(Tileset, OfPointsAdds) {
+TEST(Tileset, OfPointsAddsAndComesBack) {
     Tileset tileset = tileset_of({tile(2.0, scene::none, 1, 1), tile(0.0, 0, 0, 0)});
     tileset.is_additive = true;
-    EXPECT_EQ(nlohmann::json::parse(to_json(tileset))["root"]["refine"], "ADD");
-    EXPECT_EQ(parse_tileset(to_json(tileset)).error().code, ErrorCode::unsupported);
+    nlohmann::json json = nlohmann::json::parse(to_json(tileset));
+    EXPECT_EQ(json["root"]["refine"], "ADD");
+    const Result<Tileset> back = parse_tileset(json.dump());
+    ASSERT_TRUE(back.ok()) << back.error().message;
+    EXPECT_TRUE(back->is_additive);
+    EXPECT_EQ(to_json(*back), to_json(tileset));
+    json["root"]["children"][0]["refine"] = "REPLACE";
+    EXPECT_EQ(parse_tileset(json.dump()).error().code, ErrorCode::unsupported);
+    json["root"]["refine"] = "SOMEHOW";
+    EXPECT_EQ(parse_tileset(json.dump()).error().code, ErrorCode::invalid_input);
 }
 
 TEST(Tileset, TurnsTheBoxToZUp) {

@@ -208,6 +208,14 @@ TEST_F(RoamTest, KeepsToTheClockThatItIsGiven) {
     EXPECT_THAT(times, ElementsAre(0.0, 0.1, 0.2));
 }
 
+TEST_F(RoamTest, TilesOfPointsAreRefused) {
+    FakeTiles tiles(tileset);
+    tileset.is_additive = true;
+    const auto refused = roam(*renderer, tileset, tiles, {{0.0, {}}}, home, options);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::unsupported);
+}
+
 TEST_F(RoamTest, WrongNumbersAreRefused) {
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
     FakeTiles tiles(tileset);
