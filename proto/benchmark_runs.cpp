@@ -96,6 +96,7 @@ void read_picture(const Fields& fields, const std::string& model, PointsRun& run
     picture.model = model;
     fields.require("title", picture.title);
     fields.require("png", picture.png_base64);
+    fields.read("panels", picture.panels);
     if (picture.png_base64.find_first_not_of(base64) != std::string::npos) fields.refuse("png", "is not base64");
     run.pictures.push_back(std::move(picture));
 }

@@ -81,6 +81,7 @@ struct PointsCrowd {
 struct PointsPicture {
     std::string model, title;
     std::string png_base64;
+    std::vector<std::string> panels{};  // what it shows side by side, equally wide; may be empty
 };
 
 struct PointsRun {

@@ -45,8 +45,9 @@ details{margin:1rem 0}details>summary{cursor:pointer;color:var(--accent)}
 .pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,30rem),1fr));gap:1.25rem}
 .panels{display:grid;grid-template-columns:repeat(3,1fr);gap:4px;margin-top:.25rem}
 .panels img{width:100%;height:auto;display:block;border:1px solid var(--edge);border-radius:3px;background:#fff}
-.strip{margin:1rem 0}.strip img{max-width:100%;height:auto;display:block;background:#fff}
-.panels span{font-size:.75rem;color:var(--muted);text-align:center}
+.strip{margin:1rem 0;width:fit-content;max-width:100%}.strip img{max-width:100%;height:auto;display:block;background:#fff}
+.labels{display:grid;grid-auto-flow:column;grid-auto-columns:minmax(0,1fr)}
+:is(.panels,.labels) span{font-size:.75rem;color:var(--muted);text-align:center}
 )css";
 
 std::string folded(const std::string& title, const std::string& html) {
@@ -66,9 +67,11 @@ std::string plots_html(const std::vector<Plot>& plots) {
 }
 
 std::string strip_html(const Strip& strip) {
+    std::string labels;
+    for (const std::string& label : strip.labels) labels += "<span>" + escape_html(label) + "</span>";
     return "<figure class=\"strip\"><figcaption>" + escape_html(strip.title) + "</figcaption><img alt=\"" +
-           escape_html(strip.title) + "\" src=\"data:image/png;base64," + escape_html(strip.png_base64) +
-           "\"></figure>\n";
+           escape_html(strip.title) + "\" src=\"data:image/png;base64," + escape_html(strip.png_base64) + "\">" +
+           (labels.empty() ? "" : "<div class=\"labels\">" + labels + "</div>") + "</figure>\n";
 }
 
 std::string section_html(const Section& section, const std::string& source) {

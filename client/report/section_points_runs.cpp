@@ -157,7 +157,7 @@ std::vector<Strip> strips_of(const proto::PointsRun& run, bool of_crowds) {
     std::vector<Strip> strips;
     for (const proto::PointsPicture& picture : run.pictures)
         if (picture.title.starts_with("crowd") == of_crowds)
-            strips.push_back({picture.model + ": " + picture.title, picture.png_base64});
+            strips.push_back({picture.model + ": " + picture.title, picture.png_base64, picture.panels});
     return strips;
 }
 

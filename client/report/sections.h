@@ -21,6 +21,7 @@ Table overview_table(const ReportData& data);
 struct Strip {
     std::string title;
     std::string png_base64;
+    std::vector<std::string> labels{};  // of each, equally wide; empty: the title says it all
 };
 
 // Keyed as in report.json.

@@ -301,21 +301,34 @@ class Bench {
         options.width = options.height = 2 * panel_side;
         const std::array<std::uint32_t, 3> sides{arguments_.side, arguments_.side, arguments_.side};
         options.instances = report::crowd_of(crowd, sides, view.eye);
-        std::vector<render::Image> images;
-        for (render::Renderer* renderer : {&full_, &points_})
-            images.push_back(checked(renderer->draw(view, options)).image);
+        std::vector<Panel> panels;
+        const auto add_pair = [&](const std::string& of_what) {
+            panels.push_back({of_what + ", full", checked(full_.draw(view, options)).image});
+            panels.push_back({of_what + ", points", checked(points_.draw(view, options)).image});
+        };
+        add_pair("crowd at 36 radii");
         view.eye = view.target + panel_direction * (2.9 * radius);
         options.instances = {render::Instance{}};
-        for (render::Renderer* renderer : {&full_, &points_})
-            images.push_back(checked(renderer->draw(view, options)).image);
-        add_picture(name, title, images);
+        add_pair("one at 3 radii");
+        add_picture(name, title, panels);
     }
 
-    void add_picture(const std::string& name, const std::string& title, const std::vector<render::Image>& images) {
+    struct Panel {
+        std::string label;
+        render::Image image;
+    };
+
+    void add_picture(const std::string& name, const std::string& title, const std::vector<Panel>& panels) {
+        std::vector<render::Image> images;
+        std::vector<std::string> labels;
+        for (const Panel& panel : panels) {
+            images.push_back(panel.image);
+            labels.push_back(panel.label);
+        }
         const render::Image joined = render::side_by_side(images);
         const std::vector<std::byte> png = checked(image::encode_small_png(joined));
         const std::string bytes(reinterpret_cast<const char*>(png.data()), png.size());
-        run_.pictures.push_back({stem_of(name), title, report::base64(bytes)});
+        run_.pictures.push_back({stem_of(name), title, report::base64(bytes), std::move(labels)});
         if (arguments_.picture_folder.empty()) return;
         fs::create_directories(arguments_.picture_folder);
         const fs::path file = fs::path(arguments_.picture_folder) / (stem_of(name) + ", " + title + ".png");
@@ -329,28 +342,30 @@ class Bench {
         const Varied varied{name, model, views_around(model)};
         checked(full_.upload(render::drawable(model, model.mesh)));
         const std::uint32_t finest = paper_steps.front();
-        std::vector<render::Image> panels;
-        const auto begin = [&] { panels = {panel(full_, model)}; };
+        std::vector<Panel> panels;
+        const auto begin = [&] { panels = {{"full model", panel(full_, model)}}; };
+        const auto add = [&](const std::string& label, const Setting& setting) {
+            panels.push_back({label, try_setting(varied, setting)});
+        };
         for (const NamedFilter& filter : filters) {
+            const bool is_shown = filter.filter == points::ResampleOptions{}.filter;
             begin();
             for (const std::uint32_t side : paper_steps)
-                panels.push_back(try_setting(varied, {"side", filter, finest, side, 1.0}));
-            if (filter.filter == points::ResampleOptions{}.filter)
-                add_picture(name, "full model, then images of 100, 80, 60, 40, 20 px", panels);
+                add(std::to_string(side) + " px", {"side", filter, finest, side, 1.0});
+            if (is_shown) add_picture(name, "image size T3", panels);
             begin();
             for (const std::uint32_t slices : paper_steps)
-                panels.push_back(try_setting(varied, {"slices", filter, slices, finest, 1.0}));
-            if (filter.filter == points::ResampleOptions{}.filter)
-                add_picture(name, "full model, then 100, 80, 60, 40, 20 slices", panels);
+                add(std::to_string(slices) + " slices", {"slices", filter, slices, finest, 1.0});
+            if (is_shown) add_picture(name, "slices T1", panels);
         }
         begin();
         for (const double size : paper_point_sizes)
-            panels.push_back(try_setting(varied, {"point size", filters[0], finest, finest, size}));
-        add_picture(name, "full model, then points 1.67, 1.33, 1, 0.67, 0.33 times as large as fits", panels);
+            add(fixed(size, 2) + " of what fits", {"point size", filters[0], finest, finest, size});
+        add_picture(name, "point size T2", panels);
         begin();
         for (const NamedFilter& filter : filters)
-            panels.push_back(try_setting(varied, {"filter", filter, finest, finest, 2.0 / 3.0}));
-        add_picture(name, "full model, then filters none, gaussian, median, opposites; points of 0.67", panels);
+            add(std::string("filter ") + filter.name, {"filter", filter, finest, finest, 2.0 / 3.0});
+        add_picture(name, "filters, points at 0.67 of what fits", panels);
     }
 
     struct Varied {

@@ -47,7 +47,7 @@ json to_json(const proto::PointsCrowd& crowd) {
 }
 
 json to_json(const proto::PointsPicture& picture) {
-    return {{"title", picture.title}, {"png", picture.png_base64}};
+    return {{"title", picture.title}, {"panels", picture.panels}, {"png", picture.png_base64}};
 }
 
 // Models in the order in which the run first names them.

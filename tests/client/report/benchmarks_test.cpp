@@ -53,7 +53,8 @@ constexpr const char* points_of_a_bunny = R"({
        "hole_px": 30, "views": 4, "recall": 1.0, "precision": 0.9, "f_measure": 0.95}],
     "crowds": [{"instances": 25, "full_triangles": 2500, "points": 200, "full_ms": 12.0, "points_ms": 4.0,
                 "paper_gain": 1.1}],
-    "pictures": [{"title": "crowd", "png": "aGk="}, {"title": "slices", "png": "aG8="}]}]})";
+    "pictures": [{"title": "crowd", "panels": ["full", "points"], "png": "aGk="},
+                 {"title": "slices", "png": "aG8="}]}]})";
 
 constexpr const char* two_ships = R"({
   "run": {"command": "bench --growth <x>", "commit": "abc", "date": "2026-01-02T03:04:05Z", "cpu": "a CPU", "cores": 2},
@@ -169,6 +170,7 @@ TEST_F(PointRuns, ShowTheWholeCrowdBesideThePapersAndKeepEveryLevelAsARow) {
     EXPECT_THAT(section.text_html, HasSubstr("bench --json &lt;x&gt;"));
     ASSERT_EQ(section.strips.size(), 1u);
     EXPECT_EQ(section.strips[0].png_base64, "aGk=");
+    EXPECT_EQ(section.strips[0].labels, (std::vector<std::string>{"full", "points"}));
 }
 
 TEST_F(PointRuns, PlotHolesOverWhatIsVaried) {
