@@ -5,14 +5,12 @@
 #include <cstdint>
 
 #include "common/codec/lean_mesh.h"
-#include "tests/fuzz/taken_bytes.h"
+#include "tests/fuzz/input.h"
 
 namespace {
 
 using namespace lodestream;
-using fuzz::Bytes;
-using fuzz::require;
-using fuzz::take;
+using fuzz::Bytes, fuzz::require, fuzz::take;
 
 constexpr std::uint64_t max_elements = 100'000;
 

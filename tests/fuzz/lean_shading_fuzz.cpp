@@ -8,14 +8,12 @@
 #include <vector>
 
 #include "common/codec/lean_shading.h"
-#include "tests/fuzz/taken_bytes.h"
+#include "tests/fuzz/input.h"
 
 namespace {
 
 using namespace lodestream;
-using fuzz::Bytes;
-using fuzz::require;
-using fuzz::take;
+using fuzz::Bytes, fuzz::require, fuzz::take;
 
 // A bumpy sheet, some of whose triangles have no area.
 struct Sheet {

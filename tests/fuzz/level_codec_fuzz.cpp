@@ -2,20 +2,18 @@
 // See run.sh.
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 
 #include "common/codec/draco_mesh.h"
 #include "common/codec/level_codec.h"
 #include "common/codec/points_codec.h"
+#include "tests/fuzz/input.h"
 
 namespace {
 
-constexpr std::uint64_t max_elements = 1'000'000;
+using lodestream::fuzz::require;
 
-void require(bool holds) {
-    if (!holds) std::abort();
-}
+constexpr std::uint64_t max_elements = 1'000'000;
 
 void check(const lodestream::codec::Decoded& decoded) {
     for (const auto& primitive : decoded.primitives) {
@@ -26,14 +24,6 @@ void check(const lodestream::codec::Decoded& decoded) {
     }
 }
 
-void check(const lodestream::codec::DecodedPoints& decoded) {
-    const auto& cloud = decoded.content.cloud;
-    require(cloud.positions.size() <= decoded.points);
-    require(cloud.normals.empty() || cloud.normals.size() == cloud.positions.size());
-    require(cloud.colors.empty() || cloud.colors.size() == cloud.positions.size());
-    for (const auto& position : cloud.positions) require(lodestream::all_finite(position));
-}
-
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -42,7 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const auto decoded = lodestream::codec::decode_level(bytes);
         if (decoded) check(*decoded);
         const auto points = lodestream::codec::decode_points(bytes);
-        if (points) check(*points);
+        if (points) lodestream::fuzz::check(*points);
         return 0;
     }
     const auto mesh = lodestream::codec::decode_draco(bytes, max_elements, max_elements);

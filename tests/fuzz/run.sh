@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the fuzz targets (build/fuzz) and runs one of them on its kept corpus (build/fuzz/corpus):
-#   bash tests/fuzz/run.sh bake|image|importer|lean_mesh|lean_shading|level_codec|messages [seconds=3600]
+#   bash tests/fuzz/run.sh bake|image|importer|lean_mesh|lean_points|lean_shading|level_codec|messages [seconds=3600]
 # New corpora are seeded with the small files of ../shared/data where they are there. Exits with other than 0 on a
 # finding, whose input is kept beside the corpus.
 set -euo pipefail
@@ -8,7 +8,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 target=${1:-} seconds=${2:-3600}
 case $target in
-    bake | image | importer | lean_mesh | lean_shading | level_codec | messages) ;;
+    bake | image | importer | lean_mesh | lean_points | lean_shading | level_codec | messages) ;;
     *) sed -n '2,5s/^# *//p' "$0" >&2; exit 2 ;;
 esac
 
