@@ -154,8 +154,8 @@ TEST_F(HlodTest, InstancesOfALargeShapeShareItsLevels) {
     std::map<std::string, std::size_t> uses;
     for (const std::string& hash : tree.hashes) ++uses[hash];
     std::size_t shared = 0;
-    for (const auto& [hash, count] : uses) shared += count == model.instances.size() ? 1 : 0;
-    EXPECT_EQ(shared, 3u);  // 16,020 triangles and two halvings
+    for (const auto& [hash, count] : uses) shared += count >= model.instances.size() ? 1 : 0;
+    EXPECT_EQ(shared, 3u);  // 16,020 triangles and two halvings; the object at 0 may share them too
     const SceneSource source = *SceneSource::open(store, "scene");
     for (const mesh::Instance& instance : model.instances)
         EXPECT_EQ(tree.nodes[source.tile(instance.object)].child_count, 0u);
