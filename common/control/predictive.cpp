@@ -13,7 +13,7 @@ constexpr double mistake_share = 0.93;   // of the room for a finer level, after
 constexpr std::uint32_t most_mistakes = 4;
 constexpr double settled_s = 2.0;  // a level that lasted is left for as much more room as after one more mistake: noise
                                    // alone would else try a finer one at last
-constexpr double trial_s = 0.05;   // of a finer level, predicted without a reserve
+constexpr double trial_s = 0.25;   // of a finer level, unless a frame is late; the model knows by then what it takes
 constexpr double optimism = 0.7;   // at rest; predictions of a level not drawn for long have been off as much, and only
                                    // trying tells
 constexpr double budget_share_to_refine = 0.9;
@@ -70,7 +70,7 @@ std::uint32_t finest_that_fits(const Question& q, double share) {
     return last;
 }
 
-// A finer level is judged by what it takes before it is left again.
+// A finer level is judged by what it takes, not by what it was predicted to take.
 bool is_on_trial(const Question& q) {
     const bool was_in_time = q.state.work.uploaded_triangles > 0.0 || q.now.frame_ms <= deadline_ms(q.options);
     return q.state.last_was_refinement && q.state.since_switch_s <= trial_s && was_in_time &&
@@ -79,7 +79,9 @@ bool is_on_trial(const Question& q) {
 
 bool must_coarsen(const Question& q) {
     const double share = q.options.predictive.deadline_share;
-    if (!within_budget(q, q.level, 1.0) || !fits(q, q.level, q.exposures, false, share)) return true;
+    if (!within_budget(q, q.level, 1.0)) return true;
+    if (is_on_trial(q)) return false;
+    if (!fits(q, q.level, q.exposures, false, share)) return true;
     if (fits(q, q.level, q.exposures_ahead, false, share)) return false;
     // It will have to; now rather than then, unless the switch fits then as well.
     const std::uint32_t next = finest_that_fits(q, share);
@@ -167,13 +169,12 @@ Prediction predict(PredictiveState state, std::uint32_t level, const Measurement
 
     // A view that slows down as fast as that turns back rather than stops.
     const double speed_ahead = std::abs(now.speed_deg_s + acceleration_deg_s2 * options.predictive.look_ahead_s);
-    Question q{state, level, now, ladder, options};
+    Question q{state, level, now, ladder, options, safety_factor(state.model)};
     q.exposures = exposures(now.speed_deg_s, options.blur);
     q.exposures_ahead = std::max(q.exposures, exposures(speed_ahead, options.blur));
     note_exposures(state, q.exposures);
     q.exposures_held = std::max(q.exposures_ahead, held_exposures(state, options.predictive.hold_s));
     q.at_rest = q.exposures_held == 1 && std::max(std::abs(now.speed_deg_s), speed_ahead) <= options.speed.still_deg_s;
-    q.safety = is_on_trial(q) ? 1.0 : safety_factor(state.model);
 
     const std::uint32_t chosen = choose(q);
     const bool switched = !first && chosen != level;
