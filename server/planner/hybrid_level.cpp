@@ -20,7 +20,7 @@ constexpr std::uint32_t cheapest_regions = 1;
 struct Job {
     const mesh::Model& model;
     const mesh::Mesh& level;
-    const codec::EncodeOptions& options;
+    const Forms& forms;
     const Extras& extras;
     std::uint64_t criterion_operations;
 };
@@ -37,16 +37,15 @@ Result<EncodedSplit> encode_with(const Job& job, const std::vector<std::uint8_t>
     result.mode = mode_of(result.gouraud, result.flat);
     result.criterion_operations = job.criterion_operations;
 
-    codec::EncodeOptions options = job.options;
-    if (!options.lean) options.extras_json = job.extras(result);
+    codec::EncodeOptions options = job.forms.plain;
+    if (!job.forms.lean) options.extras_json = job.extras(result);
     Result<codec::Encoded> encoded = codec::encode_level(job.model, job.level, gouraud, options);
     if (!encoded) return encoded.error();
-    result.lean = options.lean;
-    if (std::exchange(options.lean, false)) {
-        Result<codec::Encoded> plain = codec::encode_level(job.model, job.level, gouraud, options);
-        if (!plain) return plain.error();
-        result.lean = encoded->glb.size() <= plain->glb.size();
-        if (!result.lean) encoded = std::move(plain);
+    if (job.forms.lean) {
+        Result<codec::Encoded> lean = codec::encode_level(job.model, job.level, gouraud, *job.forms.lean);
+        if (!lean) return lean.error();
+        result.lean = lean->glb.size() <= encoded->glb.size();
+        if (result.lean) encoded = std::move(lean);
     }
     result.encoded = std::move(*encoded);
     return result;
@@ -67,14 +66,14 @@ std::uint64_t wanted_gouraud(const SplitRequest& request, std::uint64_t triangle
 }  // namespace
 
 Result<EncodedSplit> encode_split(const mesh::Model& model, const mesh::Mesh& level, const SplitRequest& request,
-                                  const codec::EncodeOptions& options, const FinerLevel& finer, const Extras& extras) {
+                                  const Forms& forms, const FinerLevel& finer, const Extras& extras) {
     const std::size_t triangles = level.triangles.size();
     const std::uint64_t gouraud = wanted_gouraud(request, triangles);
     std::optional<shading::NormalErrors> errors;
     if (gouraud > 0 && gouraud < triangles) errors = shading::normal_errors(level, shading::ReferenceSurface(finer()));
     const shading::Importance importance = shading::importance(
         level, model.materials, {.view = request.view, .origin = model.origin, .errors = errors ? &*errors : nullptr});
-    const Job job{model, level, options, extras, importance.operations.criterion()};
+    const Job job{model, level, forms, extras, importance.operations.criterion()};
     if (gouraud == 0) return encode_with(job, std::vector<std::uint8_t>(triangles, 0));
 
     Result<EncodedSplit> all_gouraud = encode_with(job, std::vector<std::uint8_t>(triangles, 1));
@@ -90,7 +89,7 @@ Result<EncodedSplit> encode_split(const mesh::Model& model, const mesh::Mesh& le
     };
     // Plain levels code every border twice: where the cheapest is too dear, the others are.
     std::optional<Result<EncodedSplit>> cheapest;
-    if (!options.lean) {
+    if (!forms.lean) {
         cheapest = encode_regions(cheapest_regions);
         if (!is_settled(*cheapest)) return all_gouraud;
     }

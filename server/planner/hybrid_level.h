@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,12 @@ struct SplitRequest {
     proto::ShadingMode mode = proto::ShadingMode::hybrid;
     double distance = 0.0;  // the paper's d
     shading::View view;     // world axes
+};
+
+// How a level may be encoded: each form on the grid that it needs. `lean` where it is asked for.
+struct Forms {
+    codec::EncodeOptions plain;
+    std::optional<codec::EncodeOptions> lean;
 };
 
 struct EncodedSplit {
@@ -43,6 +50,6 @@ using FinerLevel = std::function<mesh::Mesh()>;
 // none is, or if a plain level's cheapest border is too dear. A lean level carries no extras, which its client has from
 // the plan, and is a plain one where that is smaller.
 Result<EncodedSplit> encode_split(const mesh::Model& model, const mesh::Mesh& level, const SplitRequest& request,
-                                  const codec::EncodeOptions& options, const FinerLevel& finer, const Extras& extras);
+                                  const Forms& forms, const FinerLevel& finer, const Extras& extras);
 
 }  // namespace lodestream::planner

@@ -258,16 +258,20 @@ Status Planner::Impl::add_content(proto::PlanResponse& response, const proto::As
     response.timing_ms.cut = cutting.ms();
 
     const Stopwatch encoding;
-    codec::EncodeOptions options =
-        bake::level_options(baked.grid_bounds, level, seen_error(response), wanted.profile == proto::Profile::lean);
-    if (!painted) options.images = wanted.textures.images;
+    const auto form = [&](bool lean) {
+        codec::EncodeOptions options = bake::level_options(baked.grid_bounds, level, seen_error(response), lean);
+        if (!painted) options.images = wanted.textures.images;
+        return options;
+    };
+    Forms forms{form(false), std::nullopt};
+    if (wanted.profile == proto::Profile::lean) forms.lean = form(true);
     const Extras extras = [&](const EncodedSplit& attempt) {
         proto::PlanResponse figures = response;
         fill_shading(figures, attempt);
         return proto::content_extras(asset.id, figures);
     };
     const FinerLevel finer = [&] { return cut(reference_triangles_per_triangle * level.triangles.size()); };
-    Result<EncodedSplit> encoded = encode_split(painted ? *painted : baked.model, level, split, options, finer, extras);
+    Result<EncodedSplit> encoded = encode_split(painted ? *painted : baked.model, level, split, forms, finer, extras);
     if (!encoded) return encoded.error();
     response.timing_ms.encode = encoding.ms();
 
