@@ -524,10 +524,10 @@ double Renderer::Impl::disc_radius(std::uint64_t points) const {
 
 // Of a cloud whose bounding sphere is there.
 std::uint64_t Renderer::Impl::points_worth_drawing(const Sphere& sphere) const {
+    if (levels.empty()) return level.uploaded.points;
     double px_per_unit = 0.0;
     for (const Camera& camera : exposures)
         px_per_unit = std::max(px_per_unit, largest_px_per_unit(camera, sphere, target.height));
-    if (levels.empty()) return level.uploaded.points;
     const double radius = std::min(least_disc_px / px_per_unit, least_disc_share);
     return std::min(level.uploaded.points, points::points_for(levels, radius * placement.radius));
 }

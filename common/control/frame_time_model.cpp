@@ -17,7 +17,6 @@ constexpr double common_drift = 0.02;      // of all costs together, a frame; do
 constexpr int most_doublings = 4;
 constexpr double single_drift = 0.004;    // of one cost, a frame
 constexpr double measuring_noise = 0.05;  // of a frame's time, at least
-constexpr double noise_per_spread = 1.0;  // a standard deviation in mean deviations, of a normal distribution
 constexpr double outlier_deviations = 3.0;
 constexpr double least_share = 0.01, most_share = 1000.0;
 constexpr double level_gain = 0.04;  // of a level's own correction, a frame
@@ -90,7 +89,7 @@ void correct(FrameTimeModel& model, const Vector& x, double measured_ms) {
     Vector gain{};
     for (std::size_t i = 0; i < size; ++i) gain[i] = product(model.covariance[i], x);
     const double predicted_ms = product(model.share, x);
-    const double noise = std::max(measuring_noise, noise_per_spread * model.spread);
+    const double noise = std::max(measuring_noise, model.spread);
     const double noise_ms = noise * std::max(predicted_ms, least_ms);
     const double variance = product(gain, x) + noise_ms * noise_ms;
     const double most = outlier_deviations * std::sqrt(variance);

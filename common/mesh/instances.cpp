@@ -1,5 +1,7 @@
 #include "common/mesh/instances.h"
 
+#include <utility>
+
 #include "common/mesh/operations.h"
 
 namespace lodestream::mesh {
@@ -19,7 +21,7 @@ std::uint64_t vertex_count(const Model& model) {
 Box bounds(const Model& model) {
     Box box = bounds(model.mesh);
     for (const Instance& instance : model.instances) {
-        const Box own = bounds(placed(model.shapes[instance.shape], instance));
+        const Box own = bounds(model.shapes[instance.shape], instance);
         box.add(own.min);
         box.add(own.max);
     }
@@ -28,6 +30,13 @@ Box bounds(const Model& model) {
 
 Mesh placed(const Mesh& shape, const Instance& instance) {
     return placed(shape, Vec3d(0.0), instance.matrix);
+}
+
+Box bounds(const Mesh& shape, const Instance& instance) {
+    Mesh surface;
+    surface.positions = shape.positions;
+    surface.triangles = shape.triangles;
+    return bounds(placed(std::move(surface), Vec3d(0.0), instance.matrix));
 }
 
 Mesh flattened(const Model& model, std::span<const Mesh> shapes) {

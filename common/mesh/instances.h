@@ -18,6 +18,7 @@ Box bounds(const Model& model);
 
 // What an instance shows, in the coordinates of Model::mesh: `shape` is the model's, or a level of it.
 Mesh placed(const Mesh& shape, const Instance& instance);
+Box bounds(const Mesh& shape, const Instance& instance);  // of that
 
 // The model as one mesh. `shapes`: what is shown of each of the model's shapes; the shapes themselves, or levels of
 // them. pre: all have the attributes of Model::mesh

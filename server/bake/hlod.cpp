@@ -59,7 +59,7 @@ std::vector<scene::Object> describe_objects(const mesh::Model& model, const Tria
     }
     for (const mesh::Instance& instance : model.instances) {
         objects[instance.object].triangles = model.shapes[instance.shape].triangles.size();
-        objects[instance.object].box = mesh::bounds(mesh::placed(model.shapes[instance.shape], instance));
+        objects[instance.object].box = mesh::bounds(model.shapes[instance.shape], instance);
     }
     return objects;
 }
@@ -233,7 +233,7 @@ class TileMaker {
         const mesh::Instance& instance = *branch.instance;
         const Mat4d matrix = translation(model_.origin) * instance.matrix;
         const double scale = scene::largest_scale(matrix);
-        Box box = mesh::bounds(mesh::placed(model_.shapes[instance.shape], instance));
+        Box box = mesh::bounds(model_.shapes[instance.shape], instance);
         box = {box.min + model_.origin, box.max + model_.origin};
         for (Tile tile : shape_tiles_[instance.shape]) {
             const Box placed = scene::placed(tile.node.box, matrix);

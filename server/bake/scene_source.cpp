@@ -80,8 +80,7 @@ void add_instances(ObjectArrays<simplify::OwnedArray>& all, const mesh::Model& m
     all.matrices.assign(objects, Mat4d(1.0));
     for (const mesh::Mesh& shape : model.shapes) add_mesh(all, shape);
     for (const mesh::Instance& instance : model.instances) {
-        all.boxes[instance.object] =
-            in_world(mesh::bounds(mesh::placed(model.shapes[instance.shape], instance)), model);
+        all.boxes[instance.object] = in_world(mesh::bounds(model.shapes[instance.shape], instance), model);
         all.meshes[instance.object] = objects + instance.shape;
         all.matrices[instance.object] = instance.matrix;
     }

@@ -390,11 +390,9 @@ void LiveScene::install(const Nodes& changed, std::map<std::uint32_t, Content> a
 }
 
 Result<Content> LiveScene::stored_content(const std::string& hash, double error) const {
-    const Result<store::StoredFile> file = store_.file(hash, "glb");
-    if (!file) return file.error();
-    const Result<std::vector<std::byte>> glb = store::read_file(file->path, max_tile_bytes);
-    if (!glb) return glb.error();
-    return content_of(*file, *glb, error);
+    const Result<StoredLevel> stored = read_level(store_, hash);
+    if (!stored) return stored.error();
+    return content_of(stored->file, stored->glb, error);
 }
 
 // Its finest level, kept with this scene from then on.
@@ -411,13 +409,11 @@ Result<Content> LiveScene::content_of_asset(const std::string& name) {
                                                    " that a node may show");
     const std::size_t prefix = bake::content_url("").size() - std::string_view(".glb").size();
     const std::string hash = level.url.substr(std::min(prefix, level.url.size()), hash_digits);
-    const Result<store::StoredFile> file = store_.file(hash, "glb");
-    if (!file) return file.error();
-    const Result<std::vector<std::byte>> glb = store::read_file(file->path, max_tile_bytes);
-    if (!glb) return glb.error();
-    Result<Content> content = content_of(*file, *glb, level.max_error);
+    const Result<StoredLevel> stored = read_level(store_, hash);
+    if (!stored) return stored.error();
+    Result<Content> content = content_of(stored->file, stored->glb, level.max_error);
     if (!content) return content.error();
-    auto kept = store_.put_content(asset_id_, added_key(hash), "glb", *glb, std::to_string(level.max_error));
+    auto kept = store_.put_content(asset_id_, added_key(hash), "glb", stored->glb, std::to_string(level.max_error));
     if (!kept) return kept.error();
     return content;
 }

@@ -97,11 +97,9 @@ Result<mesh::Model> join(const store::Store& store, const Vec3d& origin, std::sp
     Joined joined(origin);
     for (const PlacedContent& placed : contents) {
         if (!placed.placement.visible || placed.content.triangles == 0) continue;
-        const Result<store::StoredFile> file = store.file(placed.content.hash, "glb");
-        if (!file) return file.error();
-        const Result<std::vector<std::byte>> glb = store::read_file(file->path, max_tile_bytes);
-        if (!glb) return glb.error();
-        const Result<codec::Decoded> content = codec::decode_level(*glb);
+        const Result<StoredLevel> stored = read_level(store, placed.content.hash);
+        if (!stored) return stored.error();
+        const Result<codec::Decoded> content = codec::decode_level(stored->glb);
         if (!content) return content.error();
         joined.add(*content, placed.placement.matrix * placed.content.matrix);
     }
@@ -114,6 +112,14 @@ bool is_painted(const mesh::Model& model) {
 }
 
 }  // namespace
+
+Result<StoredLevel> read_level(const store::Store& store, const std::string& hash) {
+    Result<store::StoredFile> file = store.file(hash, "glb");
+    if (!file) return file.error();
+    Result<std::vector<std::byte>> glb = store::read_file(file->path, max_tile_bytes);
+    if (!glb) return glb.error();
+    return StoredLevel{*std::move(file), *std::move(glb)};
+}
 
 Result<Content> content_of(const store::StoredFile& file, std::span<const std::byte> glb, double error) {
     const Result<codec::Decoded> decoded = codec::decode_level(glb);

@@ -41,6 +41,13 @@ Result<Content> content_of(const store::StoredFile& file, std::span<const std::b
 
 inline constexpr std::uint64_t max_tile_bytes = 1ull << 30;
 
+// A level among the store's files. Errors: not_found, limit_exceeded (max_tile_bytes), those of reading.
+struct StoredLevel {
+    store::StoredFile file;
+    std::vector<std::byte> glb;
+};
+Result<StoredLevel> read_level(const store::Store& store, const std::string& hash);
+
 // The visible ones of these objects as one content at their finest; of no triangles where none is. `is_exact`: whether
 // its grid is as fine as that of objects that stay where they are; farther apart they would have to share a coarser
 // one.
