@@ -13,7 +13,7 @@ namespace lodestream::probe {
 // Rates are marginal: how many more can be drawn in how much more time. What a picture of the same size takes with next
 // to none of them is not in them.
 struct Graphics {
-    Rate gouraud_triangles;     // of a pixel or a few each
+    Rate gouraud_triangles;     // of a few pixels each
     Rate flat_triangles;        // likewise
     Rate points;                // of a cloud, as discs of a few pixels
     Rate pixels;                // filled, each lit and written
