@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "client/render/rasterizer_threads.h"
+
 namespace lodestream::render {
 namespace {
 
@@ -128,7 +130,10 @@ Result<GlContext> create_headless_context() {
     displays.push_back(surfaceless_display());
     for (EGLDisplay display : displays) {
         auto impl = std::make_unique<GlContext::Impl>();
-        if (impl->open(display)) return GlContext(std::move(impl));
+        if (!impl->open(display)) continue;
+        GlContext context(std::move(impl));
+        if (context.software()) spread_rasterizer_threads();
+        return context;
     }
     return fail(ErrorCode::unavailable,
                 "no EGL driver offers OpenGL ES 3 without a display (libegl-mesa0, libgl1-mesa-dri)");

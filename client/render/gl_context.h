@@ -29,6 +29,7 @@ class GlContext {
 };
 
 // Tries every GPU's EGL device, then Mesa's surfaceless platform, which draws in software where there is no GPU.
+// Software's threads are spread over the processors (rasterizer_threads.h).
 // Errors: unavailable (no EGL driver, or none with OpenGL ES 3).
 Result<GlContext> create_headless_context();
 
