@@ -14,10 +14,12 @@
 namespace lodestream::control {
 
 // Hysteresis: by how much a plan's basis must be off, and how long a plan stands.
-inline constexpr double replan_share = 0.25;      // more, or less, than the plan at hand was made for
-inline constexpr double replan_interval_s = 2.0;  // between two plans, whatever happens
-inline constexpr double settle_s = 0.5;           // that it must be off without a break: no spike asks for a plan
-inline constexpr double fast_as_measured = 1e12;  // triangles/s; no device is told to be faster
+inline constexpr double replan_share = 0.25;           // more, or less, than the plan at hand was made for
+inline constexpr double replan_deadline_share = 0.06;  // that those triangles take: where pixels leave little to
+                                                       // triangles, a quarter of them is no more than noise
+inline constexpr double replan_interval_s = 2.0;       // between two plans, whatever happens
+inline constexpr double settle_s = 0.5;                // that it must be off without a break: no spike asks for a plan
+inline constexpr double fast_as_measured = 1e12;       // triangles/s; no device is told to be faster
 
 // What a plan is made for.
 struct PlanBasis {

@@ -65,8 +65,8 @@ inline constexpr std::uint32_t settle_frames = 240;  // of `predictive`: no swit
 struct PredictiveOptions {
     FrameCosts first_guess;  // from the probe where there is one
     double deadline_share =
-        0.97;                     // of the deadline that a frame may be predicted to take; lower: fewer misses, coarser
-    double refine_share = 0.90;   // of the deadline, for a finer level; lower: fewer switches, coarser
+        0.92;                     // of the deadline that a frame may be predicted to take; lower: fewer misses, coarser
+    double refine_share = 0.82;   // of the deadline, for a finer level; lower: fewer switches, coarser
     double look_ahead_s = 0.10;   // along the motion; longer: earlier coarsening
     double hold_s = 0.08;         // finer only where what moved within it would fit; longer: fewer switches, coarser
     double refine_wait_s = 0.10;  // between a coarser and a finer level; likewise
@@ -87,6 +87,7 @@ struct PredictiveState {
     Work work;                                // of the frame before
     std::array<std::uint32_t, 3> mistakes{};  // finer levels that were left soon, at 1, 2 and 4 exposures
     double since_switch_s = 0.0;
+    std::uint32_t late_frames = 0;  // since the last switch
     bool last_was_refinement = false;
     std::uint32_t exposures_at_switch = 1;
     std::array<double, 2> since_exposures_s{};                  // since the view was fast enough for 2 and for 4

@@ -10,12 +10,13 @@ namespace {
 constexpr double long_ago_s = 1e6;
 constexpr double undone_within_s = 1.0;  // a finer level that is left sooner without more motion was a mistake
 constexpr double mistake_share = 0.93;   // of the room for a finer level, after each mistake
-constexpr std::uint32_t most_mistakes = 4;
+constexpr std::uint32_t most_mistakes = 4, most_late_frames = 2;  // that are counted
 constexpr double settled_s = 2.0;  // a level that lasted is left for as much more room as after one more mistake: noise
                                    // alone would else try a finer one at last
 constexpr double trial_s = 0.25;   // of a finer level, unless a frame is late; the model knows by then what it takes
 constexpr double optimism = 0.7;   // at rest; predictions of a level not drawn for long have been off as much, and only
                                    // trying tells
+constexpr double once_more_s = 1.0;  // after a trial that failed: what else ran then may be done
 constexpr double budget_share_to_refine = 0.9;
 
 // One frame's question, with everything that the answer depends on.
@@ -70,11 +71,16 @@ std::uint32_t finest_that_fits(const Question& q, double share) {
     return last;
 }
 
-// A finer level is judged by what it takes, not by what it was predicted to take.
+// A finer level is judged by what it takes, not by what it was predicted to take. At rest one late frame is let pass,
+// which anything may have made late.
 bool is_on_trial(const Question& q) {
-    const bool was_in_time = q.state.work.uploaded_triangles > 0.0 || q.now.frame_ms <= deadline_ms(q.options);
-    return q.state.last_was_refinement && q.state.since_switch_s <= trial_s && was_in_time &&
+    const std::uint32_t most_late = q.at_rest ? 1 : 0;
+    return q.state.last_was_refinement && q.state.since_switch_s <= trial_s && q.state.late_frames <= most_late &&
            q.exposures_ahead <= q.state.exposures_at_switch;
+}
+
+bool may_be_tried(const Question& q, std::uint32_t mistakes) {
+    return q.at_rest && (mistakes == 0 || (mistakes == 1 && q.state.since_switch_s >= once_more_s));
 }
 
 bool must_coarsen(const Question& q) {
@@ -96,7 +102,7 @@ std::uint32_t refined(const Question& q) {
     if (!waited || !may_be_undone) return q.level;
     const std::uint32_t mistakes = q.state.mistakes[index_of(q.exposures_held)];
     Question asked = q;
-    if (q.at_rest && mistakes == 0) asked.safety = optimism;  // tried once, that is
+    if (may_be_tried(q, mistakes)) asked.safety = optimism;
     const std::uint32_t settled = q.state.since_switch_s >= settled_s ? 1 : 0;
     const double share = options.refine_share * std::pow(mistake_share, mistakes + settled);
     for (std::uint32_t level = 0; level < q.level; ++level)
@@ -118,6 +124,12 @@ void pass_time(PredictiveState& state, double interval_s) {
     older(state.since_switch_s);
     std::for_each(state.since_exposures_s.begin(), state.since_exposures_s.end(), older);
     std::for_each(state.since_switches_s.begin(), state.since_switches_s.end(), older);
+}
+
+// The frame with the upload counts for nothing.
+void note_late_frame(PredictiveState& state, double frame_ms, double deadline) {
+    if (frame_ms > deadline && state.work.uploaded_triangles == 0.0)
+        state.late_frames = std::min(state.late_frames + 1, most_late_frames);
 }
 
 void note_exposures(PredictiveState& state, std::uint32_t exposures) {
@@ -143,6 +155,7 @@ void judge_refinement(PredictiveState& state, bool finer, std::uint32_t exposure
 void note_switch(PredictiveState& state, bool finer, const Question& q) {
     judge_refinement(state, finer, q.exposures_ahead);
     state.since_switch_s = 0.0;
+    state.late_frames = 0;
     state.last_was_refinement = finer;
     state.exposures_at_switch = q.exposures_held;
     std::rotate(state.since_switches_s.begin(), state.since_switches_s.end() - 1, state.since_switches_s.end());
@@ -165,7 +178,10 @@ Prediction predict(PredictiveState state, std::uint32_t level, const Measurement
     const bool first = !state.started;
     if (first) state = first_state(options.predictive);
     pass_time(state, now.interval_s);
-    if (!first) state.model = learn(std::move(state.model), state.work, now.frame_ms);
+    if (!first) {
+        note_late_frame(state, now.frame_ms, deadline_ms(options));
+        state.model = learn(std::move(state.model), state.work, now.frame_ms);
+    }
 
     // A view that slows down as fast as that turns back rather than stops.
     const double speed_ahead = std::abs(now.speed_deg_s + acceleration_deg_s2 * options.predictive.look_ahead_s);
