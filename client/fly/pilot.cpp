@@ -31,15 +31,26 @@ render::DrawOptions draw_options(const Screen& screen) {
     return options;
 }
 
-Result<render::Frame> draw(render::Renderer& renderer, const shading::View& home, const Screen& screen,
-                           const std::vector<motion::Pose>& poses) {
-    render::DrawOptions options = draw_options(screen);
-    for (std::size_t i = 0; i + 1 < poses.size(); ++i) options.earlier.push_back(view_of(home, poses[i]));
-    return renderer.draw(view_of(home, poses.back()), options);
+// The level in place of what was on the GPU; the part to draw, none of a movable level.
+Result<std::vector<render::DrawnPart>> put(render::Renderer& renderer, const Scenery& scenery, std::size_t level) {
+    const SceneryLevel& shown = scenery.levels[level];
+    if (shown.movable) {
+        const auto there = renderer.upload(*shown.movable);
+        if (!there) return there.error();
+        return std::vector<render::DrawnPart>{};
+    }
+    if (auto begun = renderer.begin_scene(scenery.bounds); !begun) return begun.error();
+    const auto part = renderer.add(shown.part);
+    if (!part) return part.error();
+    return std::vector<render::DrawnPart>{{*part}};
 }
 
-Result<render::UploadStatistics> put(render::Renderer& renderer, const SceneryLevel& level) {
-    return level.movable ? renderer.upload(*level.movable) : renderer.upload(level.content);
+Result<render::Frame> draw(render::Renderer& renderer, const std::vector<render::DrawnPart>& parts,
+                           const shading::View& home, const Screen& screen, const std::vector<motion::Pose>& poses) {
+    render::DrawOptions options = draw_options(screen);
+    options.parts = parts;
+    for (std::size_t i = 0; i + 1 < poses.size(); ++i) options.earlier.push_back(view_of(home, poses[i]));
+    return renderer.draw(view_of(home, poses.back()), options);
 }
 
 // Draws what the loop asks for and keeps the level that is on the GPU.
@@ -58,13 +69,15 @@ class Pilot {
         double upload_ms = 0.0;
         if (level_ != request.level) {
             const auto start = Clock::now();
-            if (auto there = put(renderer_, level); !there) return there.error();
+            auto there = put(renderer_, scenery_, request.level);
+            if (!there) return there.error();
+            parts_ = *std::move(there);
             if (level_) upload_ms = ms_since(start);  // the first one is there before the flight begins
             enter(level);
             level_ = request.level;
         }
         const BorderMove move = level.movable ? move_border(*level.movable, view) : BorderMove{};
-        auto frame = draw(renderer_, home_, options_.screen, request.poses);
+        auto frame = draw(renderer_, parts_, home_, options_.screen, request.poses);
         if (!frame) return frame.error();
         if (options_.on_frame)
             if (auto taken = options_.on_frame(frame->image, request); !taken) return taken.error();
@@ -115,7 +128,7 @@ class Pilot {
         SplitFrame split{move.after, 0.0, 0.0};
         if (move.before != move.after) {
             renderer_.move_split(move.before);
-            const auto before = draw(renderer_, home_, options_.screen, request.poses);
+            const auto before = draw(renderer_, parts_, home_, options_.screen, request.poses);
             renderer_.move_split(move.after);
             if (!before) return before.error();
             const auto difference = render::compare(before->image, shown);
@@ -135,6 +148,7 @@ class Pilot {
     shading::View home_;
     Clock::time_point next_{};  // frame, at the soonest
     std::optional<std::uint32_t> level_;
+    std::vector<render::DrawnPart> parts_;      // of that level
     std::optional<shading::SplitState> split_;  // of a movable level
     std::uint64_t triangles_ = 0;               // likewise
     Box bounds_;                                // likewise, world axes
@@ -166,12 +180,14 @@ budget::Display display_of(const Screen& screen) {
 }
 
 // The first frame wakes the driver.
-Result<double> time_frame(render::Renderer& renderer, const Scenery& scenery, const std::vector<motion::Pose>& poses,
-                          const Screen& screen) {
+Result<double> time_frame(render::Renderer& renderer, const Scenery& scenery, std::size_t level,
+                          const std::vector<motion::Pose>& poses, const Screen& screen) {
+    const auto parts = put(renderer, scenery, level);
+    if (!parts) return parts.error();
     const shading::View home = default_view(scenery, screen.fov_y_deg);
     double least = std::numeric_limits<double>::infinity();
     for (int i = 0; i <= timed_runs; ++i) {
-        const auto frame = draw(renderer, home, screen, poses);
+        const auto frame = draw(renderer, *parts, home, screen, poses);
         if (!frame) return frame.error();
         if (i > 0) least = std::min(least, frame->frame_ms);
     }
@@ -183,10 +199,10 @@ Result<LevelTimes> time_level(render::Renderer& renderer, const Scenery& scenery
     LevelTimes times{0.0, std::numeric_limits<double>::infinity()};
     for (int i = 0; i < timed_runs; ++i) {
         const auto start = Clock::now();
-        if (auto there = put(renderer, scenery.levels[level]); !there) return there.error();
+        if (auto there = put(renderer, scenery, level); !there) return there.error();
         times.upload_ms = std::min(times.upload_ms, ms_since(start));
     }
-    const auto draw_ms = time_frame(renderer, scenery, {motion::Pose{}}, screen);
+    const auto draw_ms = time_frame(renderer, scenery, level, {motion::Pose{}}, screen);
     if (!draw_ms) return draw_ms.error();
     times.draw_ms = *draw_ms;
     return times;
@@ -196,7 +212,7 @@ Result<control::FrameCosts> measure_costs(render::Renderer& renderer, const Scen
                                           bool blurs) {
     const auto finest = time_level(renderer, scenery, 0, screen);
     if (!finest) return finest.error();
-    const auto away_ms = time_frame(renderer, scenery, {looking_away}, screen);
+    const auto away_ms = time_frame(renderer, scenery, 0, {looking_away}, screen);
     if (!away_ms) return away_ms.error();
     const std::size_t last = scenery.levels.size() - 1;
     const auto coarsest = time_level(renderer, scenery, last, screen);
@@ -204,10 +220,10 @@ Result<control::FrameCosts> measure_costs(render::Renderer& renderer, const Scen
     Screen small = screen;
     small.width = std::max(1u, screen.width / small_screen_divisor);
     small.height = std::max(1u, screen.height / small_screen_divisor);
-    const auto small_ms = time_frame(renderer, scenery, {motion::Pose{}}, small);
+    const auto small_ms = time_frame(renderer, scenery, last, {motion::Pose{}}, small);
     if (!small_ms) return small_ms.error();
     const std::uint32_t exposures = blurs ? control::max_exposures : 1;
-    const auto blurred_ms = time_frame(renderer, scenery, std::vector<motion::Pose>(exposures), screen);
+    const auto blurred_ms = time_frame(renderer, scenery, last, std::vector<motion::Pose>(exposures), screen);
     if (!blurred_ms) return blurred_ms.error();
 
     const Sight sight(scenery, screen);
@@ -248,8 +264,9 @@ Result<std::vector<control::FlownFrame>> fly(render::Renderer& renderer, const S
 
 Result<render::Image> picture(render::Renderer& renderer, const Scenery& scenery, std::size_t level,
                               const std::vector<motion::Pose>& poses, const Screen& screen) {
-    if (auto there = put(renderer, scenery.levels[level]); !there) return there.error();
-    auto frame = draw(renderer, default_view(scenery, screen.fov_y_deg), screen, poses);
+    const auto parts = put(renderer, scenery, level);
+    if (!parts) return parts.error();
+    auto frame = draw(renderer, *parts, default_view(scenery, screen.fov_y_deg), screen, poses);
     if (!frame) return frame.error();
     return std::move(frame->image);
 }

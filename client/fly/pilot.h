@@ -1,4 +1,4 @@
-// Flies a motion over a scenery with the real renderer: one level is on the GPU, another one is uploaded when the
+// Flies a motion over a scenery with the real renderer: one level is on the GPU, another one is copied there when the
 // controller asks for it, and that takes its time within the frame.
 #pragma once
 
@@ -63,9 +63,9 @@ struct LevelTimes {
 Result<LevelTimes> time_level(render::Renderer& renderer, const Scenery& scenery, std::size_t level,
                               const Screen& screen);
 
-// Milliseconds of a frame of these exposures of the level that is on the GPU, the least of a few.
-Result<double> time_frame(render::Renderer& renderer, const Scenery& scenery, const std::vector<motion::Pose>& poses,
-                          const Screen& screen);
+// Milliseconds of a frame of these exposures of a level, the least of a few.
+Result<double> time_frame(render::Renderer& renderer, const Scenery& scenery, std::size_t level,
+                          const std::vector<motion::Pose>& poses, const Screen& screen);
 
 Result<std::vector<control::FlownFrame>> fly(render::Renderer& renderer, const Scenery& scenery,
                                              const motion::Trace& trace, const PilotOptions& options);

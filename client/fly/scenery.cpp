@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "client/render/renderer.h"
-
 namespace lodestream::fly {
 
 namespace {
@@ -36,8 +34,18 @@ Result<Scenery> fetch_scenery(sdk::Client& client, const std::string& id_or_name
         max_error = std::max(max_error, level.max_error);
         scenery.levels.push_back({*std::move(content), level.triangles, max_error});
     }
-    scenery.bounds = render::world_bounds(scenery.levels.front().content);
+    if (auto prepared = prepare(scenery); !prepared) return prepared.error();
     return scenery;
+}
+
+Status prepare(Scenery& scenery) {
+    scenery.bounds = render::world_bounds(scenery.levels.front().content);
+    for (SceneryLevel& level : scenery.levels) {
+        auto part = render::prepare(level.content, scenery.bounds);
+        if (!part) return part.error();
+        level.part = *std::move(part);
+    }
+    return Nothing{};
 }
 
 Status make_movable(Scenery& scenery) {
@@ -45,6 +53,7 @@ Status make_movable(Scenery& scenery) {
         auto movable = render::movable_level(std::exchange(level.content, {}));
         if (!movable) return movable.error();
         level.movable = *std::move(movable);
+        level.part = {};
     }
     return Nothing{};
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "client/render/movable_level.h"
+#include "client/render/renderer.h"
 #include "client/sdk/client.h"
 #include "common/base/result.h"
 #include "common/codec/level_codec.h"
@@ -20,7 +21,8 @@ struct SceneryLevel {
     codec::Decoded content;
     std::uint64_t triangles = 0;
     double max_error = 0.0;  // model units, of the ladder; never less than that of the level before
-    std::optional<render::MovableLevel> movable{};  // drawn in place of the content, which is then empty
+    render::Part part{};     // the content as the GPU takes it, so that a switch copies it and does no more
+    std::optional<render::MovableLevel> movable{};  // drawn in place of content and part, which are then empty
 };
 
 struct Scenery {
@@ -35,6 +37,9 @@ inline constexpr std::uint64_t all_triangles = ~0ull;
 // Errors: not_found, unavailable (not baked), those of the client.
 Result<Scenery> fetch_scenery(sdk::Client& client, const std::string& id_or_name,
                               std::uint64_t max_triangles = all_triangles);
+
+// Sets the bounds and every level's part from the contents. Errors: those of render::prepare().
+Status prepare(Scenery& scenery);
 
 // Lets the border between Gouraud and flat move in every level. Errors: those of render::movable_level().
 Status make_movable(Scenery& scenery);

@@ -89,7 +89,7 @@ Result<bool> FrameRate::fits(const fly::Scenery& scenery, std::size_t level, con
     if (!times) return times.error();
     double draw_ms = times->draw_ms;
     for (const double yaw_deg : other_headings_deg) {
-        const auto turned_ms = fly::time_frame(renderer_, scenery, {{std::nullopt, yaw_deg, 0.0}}, screen);
+        const auto turned_ms = fly::time_frame(renderer_, scenery, level, {{std::nullopt, yaw_deg, 0.0}}, screen);
         if (!turned_ms) return turned_ms.error();
         draw_ms = std::max(draw_ms, *turned_ms);
     }
@@ -206,7 +206,7 @@ Result<BlurResult> FrameRate::measure_blur(const Scene& scene, std::uint32_t exp
     if (!fine) return fine.error();
     const auto difference = render::compare(*fine, *coarse);
     if (!difference) return difference.error();
-    const auto frame_ms = fly::time_frame(renderer_, scene.scenery, poses, scene.screen);
+    const auto frame_ms = fly::time_frame(renderer_, scene.scenery, 0, poses, scene.screen);
     if (!frame_ms) return frame_ms.error();
     return BlurResult{exposures, *frame_ms, 100.0 * difference->rms / 255.0};
 }

@@ -1,6 +1,8 @@
 // Three spheres as a ladder, without a server.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include "client/fly/scenery.h"
 #include "client/render/renderer.h"
 #include "tests/support/meshes.h"
@@ -18,7 +20,7 @@ inline Scenery spheres(const std::string& kind = "mesh") {
         scenery.levels.push_back({render::drawable(model, model.mesh), model.mesh.triangles.size(), error});
         error += 0.05;
     }
-    scenery.bounds = render::world_bounds(scenery.levels.front().content);
+    EXPECT_TRUE(prepare(scenery));
     return scenery;
 }
 
