@@ -90,6 +90,7 @@ struct PredictiveState {
     std::uint32_t late_frames = 0;  // since the last switch
     bool last_was_refinement = false;
     std::uint32_t exposures_at_switch = 1;
+    double in_view_at_switch = 1.0;
     std::array<double, 2> since_exposures_s{};                  // since the view was fast enough for 2 and for 4
     std::array<double, max_switches_per_s> since_switches_s{};  // the last ones, newest first
 };

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double long_ago_s = 1e6;
 constexpr double undone_within_s = 1.0;  // a finer level that is left sooner without more motion was a mistake
+constexpr double more_in_view = 1.1;     // times the share of the triangles that was in view: more to draw
 constexpr double mistake_share = 0.93;   // of the room for a finer level, after each mistake
 constexpr std::uint32_t most_mistakes = 4, most_late_frames = 2;  // that are counted
 constexpr double settled_s = 2.0;  // a level that lasted is left for as much more room as after one more mistake: noise
@@ -71,12 +72,17 @@ std::uint32_t finest_that_fits(const Question& q, double share) {
     return last;
 }
 
+// Than at the last switch.
+bool has_more_to_draw(const Question& q) {
+    return q.exposures_ahead > q.state.exposures_at_switch || q.now.in_view > more_in_view * q.state.in_view_at_switch;
+}
+
 // A finer level is judged by what it takes, not by what it was predicted to take. At rest one late frame is let pass,
 // which anything may have made late.
 bool is_on_trial(const Question& q) {
     const std::uint32_t most_late = q.at_rest ? 1 : 0;
     return q.state.last_was_refinement && q.state.since_switch_s <= trial_s && q.state.late_frames <= most_late &&
-           q.exposures_ahead <= q.state.exposures_at_switch;
+           !has_more_to_draw(q);
 }
 
 bool may_be_tried(const Question& q, std::uint32_t mistakes) {
@@ -142,22 +148,24 @@ std::uint32_t held_exposures(const PredictiveState& state, double hold_s) {
     return state.since_exposures_s[0] <= hold_s ? 2 : 1;
 }
 
-// A finer level that had to be left is a mistake, one that lasted takes a mistake back.
-void judge_refinement(PredictiveState& state, bool finer, std::uint32_t exposures) {
+// A finer level that had to be left although there was no more to draw is a mistake, one that lasted takes a mistake
+// back.
+void judge_refinement(PredictiveState& state, bool finer, const Question& q) {
     if (!state.last_was_refinement) return;
     std::uint32_t& mistakes = state.mistakes[index_of(state.exposures_at_switch)];
     if (state.since_switch_s >= undone_within_s)
         mistakes -= mistakes > 0 ? 1 : 0;
-    else if (!finer && exposures <= state.exposures_at_switch)
+    else if (!finer && !has_more_to_draw(q))
         mistakes = std::min(mistakes + 1, most_mistakes);
 }
 
 void note_switch(PredictiveState& state, bool finer, const Question& q) {
-    judge_refinement(state, finer, q.exposures_ahead);
+    judge_refinement(state, finer, q);
     state.since_switch_s = 0.0;
     state.late_frames = 0;
     state.last_was_refinement = finer;
     state.exposures_at_switch = q.exposures_held;
+    state.in_view_at_switch = q.now.in_view;
     std::rotate(state.since_switches_s.begin(), state.since_switches_s.end() - 1, state.since_switches_s.end());
     state.since_switches_s.front() = 0.0;
 }
