@@ -23,12 +23,11 @@ constexpr std::uint32_t fill_layers = 8;
 constexpr std::uint32_t few_rings = 2, coarse_rings = 5, fine_rings = 40;
 constexpr std::uint32_t first_rings = 32, most_rings = 512;  // of the larger ball whose triangles count
 constexpr std::uint32_t point_rings = 64;
-constexpr std::uint32_t image_side = 512;   // texels
-constexpr double jitter = 0.35;             // of a ball's vertices, in rows and columns
-constexpr std::uint32_t band_columns = 16;  // few enough for any cache of vertices
-constexpr double long_enough_ms = 6.0;      // of a frame of that ball: what is fixed counts for little
-constexpr int rounds = 4;                   // over all pictures, so that a slower moment is not one picture's alone
-constexpr int waking_frames = 2;            // of each round, not counted: what the driver compiles and moves
+constexpr std::uint32_t image_side = 512;  // texels
+constexpr double jitter = 0.35;            // of a ball's vertices, in rows and columns
+constexpr double long_enough_ms = 6.0;     // of a frame of that ball: what is fixed counts for little
+constexpr int rounds = 4;                  // over all pictures, so that a slower moment is not one picture's alone
+constexpr int waking_frames = 2;           // of each round, not counted: what the driver compiles and moves
 constexpr std::size_t least_runs = 3, most_runs = 100;  // of a picture and a round
 constexpr double most_overrun = 2.0;                    // times its seconds, on a device whose frames take that long
 constexpr double share_to_search = 0.15;                // of the seconds, for a ball that takes long enough
@@ -43,23 +42,13 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// The order in which a ball's bands are drawn: each beside the one opposite to it, by turns before and after it, so
-// that as in models the near side is drawn over the far one as often as behind it.
-std::vector<std::uint32_t> band_order(std::uint32_t bands) {
-    std::vector<std::uint32_t> order;
-    for (std::uint32_t i = 0; i < bands / 2; ++i) {
-        const std::uint32_t opposite = i + bands / 2;
-        order.push_back(i % 2 == 0 ? i : opposite);
-        order.push_back(i % 2 == 0 ? opposite : i);
-    }
-    return order;
-}
-
 // A unit sphere of 4 * rings² triangles, `rings` from pole to pole and twice as many around. Every other row is turned
-// by half a triangle, so that triangles are about equilateral, and the poles lie askew. Triangles come in bands from
-// pole to pole and vertices as they are used, as a decoder leaves them.
+// by half a triangle, so that triangles are about equilateral, and the poles lie askew. Triangles come row by row and
+// vertices as they are used, as a decoder leaves them whose border grows over the surface: between a vertex's first and
+// last use lies the whole border. Rows begin by turns on either side, so that as in models the near side is drawn over
+// the far one as often as behind it.
 mesh::Model ball(std::uint32_t rings) {
-    const std::uint32_t around = 2 * rings, bands = std::max(2u, around / band_columns / 2 * 2);
+    const std::uint32_t around = 2 * rings;
     const Vec3d pole = normalize(Vec3d{0.5, 0.8, 0.0}), aside = normalize(cross(pole, Vec3d{0, 0, 1}));
     const Vec3d behind = cross(pole, aside);
     mesh::Model model;
@@ -78,15 +67,15 @@ mesh::Model ball(std::uint32_t rings) {
         model.mesh.normals.emplace_back(p);
         return name;
     };
-    for (const std::uint32_t band : band_order(bands))
-        for (std::uint32_t row = 0; row < rings; ++row)
-            for (std::uint32_t column = around * band / bands; column < around * (band + 1) / bands; ++column) {
-                const std::uint32_t a = vertex(row, column), b = vertex(row, column + 1);
-                const std::uint32_t c = vertex(row + 1, column), d = vertex(row + 1, column + 1);
-                const bool is_even = row % 2 == 0;
-                model.mesh.triangles.push_back({a, b, is_even ? c : d});
-                model.mesh.triangles.push_back({is_even ? b : a, d, c});
-            }
+    for (std::uint32_t row = 0; row < rings; ++row)
+        for (std::uint32_t i = 0; i < around; ++i) {
+            const bool is_even = row % 2 == 0;
+            const std::uint32_t column = i + (is_even ? 0 : rings);
+            const std::uint32_t a = vertex(row, column), b = vertex(row, column + 1);
+            const std::uint32_t c = vertex(row + 1, column), d = vertex(row + 1, column + 1);
+            model.mesh.triangles.push_back({a, b, is_even ? c : d});
+            model.mesh.triangles.push_back({is_even ? b : a, d, c});
+        }
     return model;
 }
 
