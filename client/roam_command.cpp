@@ -103,16 +103,16 @@ void warn_of(const std::vector<std::string>& tiles, const char* what) {
 std::string to_csv(const std::vector<roam::RoamFrame>& frames) {
     std::string out =
         "frame,t_s,frame_ms,tiles,triangles,error_px,missed_px,missing_tiles,fetched_bytes,gpu_bytes,fading_tiles,"
-        "pop_largest,pop_p999,pop_rms,outdated_tiles\n";
+        "pop_largest,pop_p999,pop_rms,outdated_tiles,points\n";
     for (std::size_t i = 0; i < frames.size(); ++i) {
         const roam::RoamFrame& frame = frames[i];
         char row[384];
-        std::snprintf(row, sizeof row, "%zu,%.6f,%.4f,%zu,%llu,%.4f,%.4f,%zu,%llu,%llu,%zu,%.0f,%.0f,%.4f,%zu\n", i,
-                      frame.t_s, frame.frame_ms, frame.tiles, static_cast<unsigned long long>(frame.triangles),
-                      frame.error_px, frame.missed_px, frame.missing_tiles,
-                      static_cast<unsigned long long>(frame.fetched_bytes),
-                      static_cast<unsigned long long>(frame.gpu_bytes), frame.fading_tiles, frame.popping.largest,
-                      frame.popping.p999, frame.popping.rms, frame.outdated_tiles);
+        std::snprintf(
+            row, sizeof row, "%zu,%.6f,%.4f,%zu,%llu,%.4f,%.4f,%zu,%llu,%llu,%zu,%.0f,%.0f,%.4f,%zu,%llu\n", i,
+            frame.t_s, frame.frame_ms, frame.tiles, static_cast<unsigned long long>(frame.triangles), frame.error_px,
+            frame.missed_px, frame.missing_tiles, static_cast<unsigned long long>(frame.fetched_bytes),
+            static_cast<unsigned long long>(frame.gpu_bytes), frame.fading_tiles, frame.popping.largest,
+            frame.popping.p999, frame.popping.rms, frame.outdated_tiles, static_cast<unsigned long long>(frame.points));
         out += row;
     }
     return out;

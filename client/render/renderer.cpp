@@ -26,12 +26,20 @@ constexpr double largest_disc_radius = 1e6;  // of the cloud's own; keeps what i
 constexpr float largest_quad_px = 1e6f;      // what is larger fills the picture
 constexpr double least_cut_px = 4.0;         // smaller discs with their centre outside the picture may be left out
 
+// Of a cloud, in the frame at hand.
+struct Discs {
+    GLsizei points = 0;
+    float radius = 0.0f;  // scene coordinates
+    bool as_quads = false;
+};
+
 // What comes and goes together: an uploaded level, or a part of a scene.
 struct Group {
     std::vector<mesh::Material> materials;
     std::vector<GLuint> textures;  // one an image; the white one where it could not be decoded
     UploadStatistics uploaded;
     Sphere sphere;  // scene coordinates
+    Discs discs;    // of a part of points
     // Of the frame at hand.
     bool is_shown = true;
     Share share;
@@ -111,9 +119,7 @@ struct Renderer::Impl {
     std::vector<Camera> exposures;      // of the frame at hand, the drawn view last
     struct Shown {
         Vec3f offset{0.0f};  // scene coordinates
-        GLsizei points = 0;
-        float radius = 0.0f;  // of its discs, scene coordinates
-        bool as_quads = false;
+        Discs discs;
         Share share;
     };
     std::vector<Shown> shown;  // the instances of the frame at hand that its picture may show
@@ -137,6 +143,7 @@ struct Renderer::Impl {
     std::vector<std::string> begin_upload(const codec::Decoded& content);
     Batch& add_batch(Group& group, std::uint32_t material, Style style, const Streams& streams);
     Batch& add_batch(const codec::Primitive& primitive, Style style, std::size_t images);
+    void add_discs(Group& group, const Streams& streams);
     void sort_batches();
     Result<UploadStatistics> end_upload(std::vector<std::string> warnings);
     Status begin_scene(const Box& box);
@@ -160,11 +167,12 @@ struct Renderer::Impl {
     void set_share(const Program& program, const Share& share) const;
     bool is_drawn(const Shown& instance, const Batch& batch, Style style, bool fades) const;
     void draw_batch(const Program& program, const Batch& batch, Style style, bool fades);
-    void draw_discs(const Program& program, const Shown& instance);
+    const Discs& discs_of(const Shown& instance, const Batch& batch) const;
+    void draw_discs(const Program& program, const Discs& discs);
     Status expose(const shading::View& view, const DrawOptions& options, const Sphere& scene);
     void draw_exposures(const Program& program, const Batch& batch, Style style, bool fades);
     void draw_batch_as(Style style, const Batch& batch, bool fades);
-    bool needs_quads(const Sphere& centers, double radius, const Camera& camera) const;
+    bool needs_quads(const Sphere& centers, double radius) const;
     void sort_blended();
     void draw_frame(const std::vector<Vec4f>& lights, const DrawOptions& options);
     Image read_back(const DrawOptions& options) const;
@@ -257,6 +265,17 @@ Batch& Renderer::Impl::add_batch(const codec::Primitive& primitive, Style style,
                                           : gouraud_streams(primitive.mesh, placement, textured));
 }
 
+void Renderer::Impl::add_discs(Group& group, const Streams& streams) {
+    group.uploaded.points = streams.positions.size();
+    if (streams.positions.empty()) return;
+    Batch& batch = batches.emplace_back();
+    batch.group = &group;
+    batch.style = Style::points;
+    batch.corners = static_cast<GLsizei>(streams.positions.size());
+    batch.center = streams.center;
+    group.uploaded.geometry_bytes += fill(batch.vertices, streams, batch.style);
+}
+
 void Renderer::Impl::sort_batches() {
     std::stable_sort(batches.begin(), batches.end(), [](const Batch& a, const Batch& b) {
         return std::tuple(is_blended(a), a.style, a.material) < std::tuple(is_blended(b), b.style, b.material);
@@ -313,16 +332,7 @@ Result<UploadStatistics> Renderer::Impl::upload(const codec::Points& content) {
     origin = content.origin;
     levels = content.levels;
     level.materials.emplace_back().base_color = content.base_color;
-    level.uploaded.points = content.cloud.positions.size();
-    if (level.uploaded.points > 0) {
-        Batch& batch = batches.emplace_back();
-        batch.group = &level;
-        batch.style = Style::points;
-        batch.corners = static_cast<GLsizei>(level.uploaded.points);
-        const Streams streams = disc_streams(content.cloud, placement);
-        batch.center = streams.center;
-        level.uploaded.geometry_bytes = fill(batch.vertices, streams, batch.style);
-    }
+    add_discs(level, disc_streams(content.cloud, placement));
     if (gl_failed()) return out_of_memory(std::to_string(level.uploaded.points) + " points");
     return level.uploaded;
 }
@@ -358,9 +368,13 @@ Result<std::uint32_t> Renderer::Impl::add(const Part& part) {
         add_batch(group, primitive.material, primitive.is_flat ? Style::flat : Style::gouraud, primitive.streams);
         group.uploaded.triangles += primitive.triangles;
     }
+    add_discs(group, prepared->discs.streams);
+    group.discs = {static_cast<GLsizei>(group.uploaded.points),
+                   static_cast<float>(std::min(prepared->discs.radius, largest_disc_radius))};
     if (gl_failed()) {
         remove(id);
-        return out_of_memory(std::to_string(part.triangles) + " triangles");
+        return out_of_memory(std::to_string(part.triangles) + " triangles and " + std::to_string(part.points) +
+                             " points");
     }
     sort_batches();
     Result<std::uint32_t> result(id);
@@ -462,22 +476,26 @@ void Renderer::Impl::set_material(const Program& program, const mesh::Material& 
     bind_texture(GL_TEXTURE1, material.emissive_texture, group);
 }
 
+const Discs& Renderer::Impl::discs_of(const Shown& instance, const Batch& batch) const {
+    return batch.group == &level ? instance.discs : batch.group->discs;
+}
+
 // Quads read their corners from no buffer, and an attribute once a disc.
-void Renderer::Impl::draw_discs(const Program& program, const Shown& instance) {
+void Renderer::Impl::draw_discs(const Program& program, const Discs& discs) {
     const float widening_px = target.samples > 1 ? 1.0f : 0.0f;
-    const float largest_px = instance.as_quads ? largest_quad_px : max_point_px;
-    glUniform3f(program.disc, instance.radius, widening_px, largest_px);
+    const float largest_px = discs.as_quads ? largest_quad_px : max_point_px;
+    glUniform3f(program.disc, discs.radius, widening_px, largest_px);
     for (const GLuint location : {location_position, location_color, location_normal_or_previous})
-        glVertexAttribDivisor(location, instance.as_quads ? 1 : 0);
-    if (instance.as_quads)
-        glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, instance.points);
+        glVertexAttribDivisor(location, discs.as_quads ? 1 : 0);
+    if (discs.as_quads)
+        glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, discs.points);
     else
-        glDrawArrays(GL_POINTS, 0, instance.points);
-    sent.points += static_cast<std::uint64_t>(instance.points);
+        glDrawArrays(GL_POINTS, 0, discs.points);
+    sent.points += static_cast<std::uint64_t>(discs.points);
 }
 
 bool Renderer::Impl::is_drawn(const Shown& instance, const Batch& batch, Style style, bool fades) const {
-    if (batch.style == Style::points && instance.as_quads != (style == Style::quads)) return false;
+    if (batch.style == Style::points && discs_of(instance, batch).as_quads != (style == Style::quads)) return false;
     const Share share = both(batch.group->share, instance.share);
     return share.from < share.to && fades != is_whole(share);
 }
@@ -492,7 +510,7 @@ void Renderer::Impl::draw_batch(const Program& program, const Batch& batch, Styl
         glUniform3f(program.offset, instance.offset.x, instance.offset.y, instance.offset.z);
         ++sent.draw_calls;
         if (is_cloud) {
-            draw_discs(program, instance);
+            draw_discs(program, discs_of(instance, batch));
             continue;
         }
         glDrawElements(GL_TRIANGLES, batch.corners, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset));
@@ -510,10 +528,12 @@ void Renderer::Impl::set_share(const Program& program, const Share& share) const
 }
 
 // Points are cheaper, but no larger than the driver allows, and gone where their centre is outside the picture.
-bool Renderer::Impl::needs_quads(const Sphere& centers, double radius, const Camera& camera) const {
-    const double largest_px = largest_disc_px(camera, centers, radius, target.height);
+bool Renderer::Impl::needs_quads(const Sphere& centers, double radius) const {
     const Sphere all{centers.center, centers.radius + radius};
-    return largest_px > max_point_px || (largest_px > least_cut_px && !lies_within(camera, all));
+    return std::any_of(exposures.begin(), exposures.end(), [&](const Camera& camera) {
+        const double largest_px = largest_disc_px(camera, centers, radius, target.height);
+        return largest_px > max_point_px || (largest_px > least_cut_px && !lies_within(camera, all));
+    });
 }
 
 // Of a level of the cloud, scene coordinates; 0 of triangles.
@@ -528,8 +548,8 @@ std::uint64_t Renderer::Impl::points_worth_drawing(const Sphere& sphere) const {
     double px_per_unit = 0.0;
     for (const Camera& camera : exposures)
         px_per_unit = std::max(px_per_unit, largest_px_per_unit(camera, sphere, target.height));
-    const double radius = std::min(least_disc_px / px_per_unit, least_disc_share);
-    return std::min(level.uploaded.points, points::points_for(levels, radius * placement.radius));
+    return std::min(level.uploaded.points,
+                    points::points_worth_drawing(levels, px_per_unit / placement.radius, placement.radius));
 }
 
 // By any exposure: what only an earlier moment shows is shown.
@@ -547,10 +567,15 @@ Status Renderer::Impl::show_parts(const DrawOptions& options) {
         if (!is_valid(drawn.share)) return invalid_input("a part's share is not in [0, 1]");
         Group& group = found->second;
         group.share = drawn.share;
-        group.is_shown =
-            drawn.share.from < drawn.share.to && std::any_of(shown.begin(), shown.end(), [&](const Shown& s) {
-                return may_see({group.sphere.center + Vec3d(s.offset), group.sphere.radius});
-            });
+        group.is_shown = false;
+        group.discs.as_quads = false;
+        if (!(drawn.share.from < drawn.share.to)) continue;
+        for (const Shown& s : shown) {
+            const Sphere centers{group.sphere.center + Vec3d(s.offset), group.sphere.radius};
+            group.is_shown = group.is_shown || may_see({centers.center, centers.radius + group.discs.radius});
+            group.discs.as_quads =
+                group.discs.as_quads || (group.discs.points > 0 && needs_quads(centers, group.discs.radius));
+        }
     }
     return Nothing{};
 }
@@ -563,10 +588,10 @@ void Renderer::Impl::show(const DrawOptions& options, const std::vector<Sphere>&
         const Share& share = options.instances[i].share;
         const double radius = disc_radius(points);
         const Sphere all{spheres[i].center, spheres[i].radius + radius};
-        const auto is_large = [&](const Camera& camera) { return needs_quads(spheres[i], radius, camera); };
         if (!may_see(all)) continue;
-        const bool as_quads = points > 0 && std::any_of(exposures.begin(), exposures.end(), is_large);
-        shown.push_back({Vec3f(all.center), static_cast<GLsizei>(points), static_cast<float>(radius), as_quads, share});
+        const bool as_quads = points > 0 && needs_quads(spheres[i], radius);
+        shown.push_back(
+            {Vec3f(all.center), {static_cast<GLsizei>(points), static_cast<float>(radius), as_quads}, share});
     }
 }
 

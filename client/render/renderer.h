@@ -19,8 +19,8 @@
 // edge by more than a few pixels. One whose centre is behind the eye is not drawn.
 //
 // More points than a picture needs are not drawn: of each instance only so many of the cloud's first points as make
-// discs of least_disc_px where it is nearest, as far as its levels tell. As any prefix is a level, that changes a few
-// points a frame, and a crowd costs what it covers.
+// discs of points::least_disc_px where it is nearest, as far as its levels tell. As any prefix is a level, that changes
+// a few points a frame, and a crowd costs what it covers.
 //
 // A scene may be put together of parts that come and go, such as a tileset's tiles. Levels fade into each other by
 // dither: every sample of the canvas has a threshold in [0, 1) that stays where it is, a different one for each sample
@@ -60,11 +60,6 @@ struct Light {
 };
 
 inline constexpr std::uint64_t all_points = ~std::uint64_t{0};
-// Of an instance as many points are drawn as make discs of this radius, or of that share of the sphere around its box
-// where that is less, so that what is small keeps its shape. With discs of 0.8 px a crowd of scans takes 1.6 times as
-// long, and its picture's error falls by a seventh.
-inline constexpr double least_disc_px = 1.25;
-inline constexpr double least_disc_share = 1.0 / 24.0;
 
 // Of the thresholds in [0, 1), those that a part or an instance is drawn at: from <= threshold < to.
 struct Share {
@@ -127,12 +122,15 @@ struct PreparedPart;  // scene.h
 struct Part {
     std::shared_ptr<const PreparedPart> prepared;
     std::uint64_t triangles = 0;
+    std::uint64_t points = 0;
     std::uint64_t gpu_bytes = 0;  // buffers, and textures with their mip levels
 };
 
 // Does what needs no GPU, on any thread. All parts of a scene have its box, so what they share is at one place to the
 // bit. Images that cannot be decoded are drawn white and warned of. Errors: as upload(), invalid_input (the box).
 Result<Part> prepare(const codec::Decoded& content, const Box& scene);
+// The same of a cloud: all of it, in the discs of its finest level.
+Result<Part> prepare(const codec::Points& content, const Box& scene);
 
 // Around everything that triangles use, in world coordinates.
 Box world_bounds(const codec::Decoded& content);

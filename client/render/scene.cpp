@@ -364,37 +364,75 @@ Placement place(const Box& scene) {
     return {scene.center(), radius > 0.0 ? radius : 1.0};
 }
 
-Result<Part> prepare(const codec::Decoded& content, const Box& scene) {
+namespace {
+
+template <class Content>
+Result<std::shared_ptr<PreparedPart>> begin_part(const Content& content, const Box& scene) {
     if (scene.empty() || !std::isfinite(scene.radius())) return invalid_input("a scene needs a finite box");
     if (auto sound = check_drawable(content); !sound) return sound.error();
-    const auto prepared = std::make_shared<PreparedPart>();
+    auto prepared = std::make_shared<PreparedPart>();
     prepared->scene = scene;
-    prepared->materials = content.materials;
-    prepared->images.resize(content.images.size());
+    return prepared;
+}
+
+Placement placed_in(const Box& scene, const Vec3d& origin) {
     Placement placement = place(scene);
-    placement.center -= content.origin;
+    placement.center -= origin;
+    return placement;
+}
+
+Sphere sphere_of(const Box& box, const Placement& placement) {
+    return {(box.center() - placement.center) / placement.radius, box.radius() / placement.radius};
+}
+
+}  // namespace
+
+Result<Part> prepare(const codec::Decoded& content, const Box& scene) {
+    const auto prepared = begin_part(content, scene);
+    if (!prepared) return prepared.error();
+    PreparedPart& whole = **prepared;
+    whole.materials = content.materials;
+    whole.images.resize(content.images.size());
+    const Placement placement = placed_in(scene, content.origin);
     Part part;
     for (const codec::Primitive& primitive : content.primitives) {
         if (primitive.mesh.triangles.empty()) continue;
         const bool is_flat = primitive.shading == codec::Shading::flat;
         const bool textured = is_textured(content.materials[primitive.material], content.images.size());
-        prepared->primitives.push_back({is_flat, primitive.material, primitive.mesh.triangles.size(),
-                                        is_flat ? flat_streams(primitive.mesh, placement, textured)
-                                                : gouraud_streams(primitive.mesh, placement, textured)});
+        whole.primitives.push_back({is_flat, primitive.material, primitive.mesh.triangles.size(),
+                                    is_flat ? flat_streams(primitive.mesh, placement, textured)
+                                            : gouraud_streams(primitive.mesh, placement, textured)});
         part.triangles += primitive.mesh.triangles.size();
-        part.gpu_bytes += bytes_of(prepared->primitives.back().streams);
+        part.gpu_bytes += bytes_of(whole.primitives.back().streams);
     }
-    const Box box = local_bounds(content);
-    prepared->sphere = {(box.center() - placement.center) / placement.radius, box.radius() / placement.radius};
+    whole.sphere = sphere_of(local_bounds(content), placement);
     auto warnings =
         decode_shown(content.images, content.materials, image::max_side, [&](std::size_t i, Image&& pixels) {
             part.gpu_bytes += pixels.rgba.size() * 4 / 3;
-            prepared->images[i] = std::move(pixels);
+            whole.images[i] = std::move(pixels);
         });
-    part.prepared = prepared;
+    part.prepared = *prepared;
     Result<Part> result(std::move(part));
     result.warnings = std::move(warnings);
     return result;
+}
+
+Result<Part> prepare(const codec::Points& content, const Box& scene) {
+    const auto prepared = begin_part(content, scene);
+    if (!prepared) return prepared.error();
+    PreparedPart& whole = **prepared;
+    const Placement placement = placed_in(scene, content.origin);
+    whole.materials.emplace_back().base_color = content.base_color;
+    whole.sphere = sphere_of(local_bounds(content), placement);
+    PreparedDiscs& discs = whole.discs;
+    discs.points = content.cloud.positions.size();
+    if (!content.levels.empty()) discs.radius = content.levels.front().radius / placement.radius;
+    discs.streams = disc_streams(content.cloud, placement);
+    Part part;
+    part.points = discs.points;
+    part.gpu_bytes = bytes_of(discs.streams);
+    part.prepared = *prepared;
+    return part;
 }
 
 std::vector<Sphere> spheres_of(const std::vector<Instance>& instances, const Placement& placement) {

@@ -69,10 +69,18 @@ struct PreparedPrimitive {
     Streams streams;
 };
 
+// Of a cloud: discs of one size.
+struct PreparedDiscs {
+    std::uint64_t points = 0;
+    double radius = 0.0;  // scene coordinates
+    Streams streams;
+};
+
 struct PreparedPart {
     Box scene;
-    Sphere sphere;  // around its triangles
+    Sphere sphere;  // around its triangles or its points
     std::vector<PreparedPrimitive> primitives;
+    PreparedDiscs discs;
     std::vector<mesh::Material> materials;
     std::vector<Image> images;  // empty where it is not shown
 };

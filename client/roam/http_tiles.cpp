@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/codec/level_codec.h"
+#include "common/codec/points_codec.h"
 #include "common/mesh/operations.h"
 
 namespace lodestream::roam {
@@ -66,16 +67,30 @@ std::vector<Arrival> HttpTiles::take(double) {
     return std::exchange(arrived_, {});
 }
 
-Result<HttpTiles::Glb> HttpTiles::fetch(sdk::Client& client, const Source& source) {
+// pre: the mutex is held
+HttpTiles::Source HttpTiles::source_of(std::uint32_t node) const {
+    const auto content_of = [&](std::uint32_t n) { return Content{tileset_->uris[n], tileset_->bytes[n]}; };
+    Source source{{}, tileset_->matrix(node), tileset_->is_additive};
+    if (!source.is_points) {
+        source.contents = {content_of(node)};
+        return source;
+    }
+    const std::vector<std::uint32_t> path = path_to(tileset_->nodes, node);
+    for (const std::uint32_t n : path) source.contents.push_back(content_of(n));
+    source.branches = branches_of(tileset_->nodes, path);
+    return source;
+}
+
+Result<HttpTiles::Glb> HttpTiles::fetch(sdk::Client& client, const Content& content) {
     {
         const std::lock_guard lock(mutex_);
-        if (const auto kept = kept_.find(source.uri); kept != kept_.end()) return kept->second;
+        if (const auto kept = kept_.find(content.uri); kept != kept_.end()) return kept->second;
     }
-    auto bytes = client.fetch(source.uri, source.bytes);
+    auto bytes = client.fetch(content.uri, content.bytes);
     if (!bytes) return bytes.error();
     auto glb = std::make_shared<const std::vector<std::byte>>(*std::move(bytes));
     const std::lock_guard lock(mutex_);
-    keep(source.uri, glb);
+    keep(content.uri, glb);
     return Glb(std::move(glb));
 }
 
@@ -91,12 +106,26 @@ void HttpTiles::keep(const std::string& uri, const Glb& glb) {
 }
 
 Result<render::Part> HttpTiles::load(sdk::Client& client, const Source& source) {
-    const auto glb = fetch(client, source);
+    if (source.is_points) return load_points(client, source);
+    const Content& only = source.contents.front();
+    const auto glb = fetch(client, only);
     if (!glb) return glb.error();
     auto content = codec::decode_level(**glb);
-    if (!content) return fail(content.error().code, source.uri + ": " + content.error().message);
+    if (!content) return fail(content.error().code, only.uri + ": " + content.error().message);
     place(*content, source.matrix);
     return render::prepare(*content, scene_);
+}
+
+Result<render::Part> HttpTiles::load_points(sdk::Client& client, const Source& source) {
+    std::vector<codec::Points> contents;
+    for (const Content& one : source.contents) {
+        const auto glb = fetch(client, one);
+        if (!glb) return glb.error();
+        auto decoded = codec::decode_points(**glb);
+        if (!decoded) return fail(decoded.error().code, one.uri + ": " + decoded.error().message);
+        contents.push_back(std::move(decoded->content));
+    }
+    return render::prepare(shown_by(source.branches, contents), scene_);
 }
 
 void HttpTiles::work(sdk::Client& client) {
@@ -106,7 +135,7 @@ void HttpTiles::work(sdk::Client& client) {
         if (stopping_) return;
         const std::uint32_t node = wanted_.front();
         const std::uint64_t adopted = adopted_;
-        const Source source{tileset_->uris[node], tileset_->bytes[node], tileset_->matrix(node)};
+        const Source source = source_of(node);
         wanted_.erase(wanted_.begin());
         underway_.push_back(node);
         lock.unlock();

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "client/roam/shown_points.h"
 #include "client/roam/tiles.h"
 #include "client/sdk/client.h"
 #include "proto/tileset.h"
@@ -39,18 +40,26 @@ class HttpTiles : public Tiles {
     std::vector<Arrival> take(double now_s) override;
 
   private:
-    // Of a node: what there is to fetch, and where it goes.
-    struct Source {
+    // What there is to fetch.
+    struct Content {
         std::string uri;
         std::uint64_t bytes = 0;
+    };
+    // Of a node: its content, and where it goes; of points, those of the tiles above it and its own.
+    struct Source {
+        std::vector<Content> contents;
         Mat4d matrix{1.0};
+        bool is_points = false;
+        std::vector<Branch> branches{};  // of points: on the way down to it
     };
     using Glb = std::shared_ptr<const std::vector<std::byte>>;
 
     HttpTiles(std::vector<sdk::Client> clients, const Box& scene);
     void work(sdk::Client& client);
     Result<render::Part> load(sdk::Client& client, const Source& source);
-    Result<Glb> fetch(sdk::Client& client, const Source& source);
+    Source source_of(std::uint32_t node) const;
+    Result<render::Part> load_points(sdk::Client& client, const Source& source);
+    Result<Glb> fetch(sdk::Client& client, const Content& content);
     void keep(const std::string& uri, const Glb& glb);
 
     const Box scene_;

@@ -287,6 +287,7 @@ class Roamer {
         if (!picture_now) return picture_now.error();
         frame.frame_ms = std::exchange(upload_ms_, 0.0) + picture_now->frame_ms;
         frame.triangles = picture_now->triangles;
+        frame.points = picture_now->points;
         if (unchanged) {
             const auto popping = popping_between(*unchanged, picture_now->image);
             if (!popping) return popping.error();
@@ -335,8 +336,8 @@ class Roamer {
 Result<Roamed> roam(render::Renderer& renderer, proto::Tileset tileset, Tiles& tiles, const motion::Trace& motion,
                     const shading::View& home, const RoamOptions& options) {
     if (Status sound = check(options); !sound) return sound.error();
-    if (tileset.is_additive)
-        return fail(ErrorCode::unsupported, "the tileset is of points, whose tiles add to each other");
+    if (tileset.is_additive && !tileset.matrices.empty())
+        return fail(ErrorCode::unsupported, "the tileset is of points that are moved");
     if (motion.empty()) return invalid_input("a motion needs at least one sample");
     const double frames = std::floor(motion::duration_s(motion) * options.fps) + 1.0;
     if (!(frames <= static_cast<double>(max_frames)))

@@ -49,6 +49,7 @@ struct RoamFrame {
     double t_s = 0.0;
     double frame_ms = 0.0;            // putting tiles on the GPU and drawing, until it is done
     std::uint64_t triangles = 0;      // drawn, of both levels where one fades into the other
+    std::uint64_t points = 0;         // likewise, of clouds
     std::size_t tiles = 0;            // of the cut
     std::size_t fading_tiles = 0;     // going or coming
     std::size_t missing_tiles = 0;    // that the view asks for and that are not here
@@ -70,9 +71,9 @@ struct Roamed {
 };
 
 // `home` is the view where the motion gives no position. Frames are the background until the root is here. Popping is
-// not counted against that. Errors: invalid_input (options), unsupported (tiles of points), limit_exceeded (more than
-// max_frames; the GPU's memory), those of the renderer, and why the root could not be had. `tiles` has adopted nothing
-// yet. pre: validate(tileset.nodes), as many bytes as nodes
+// not counted against that. Errors: invalid_input (options), unsupported (tiles of points that are moved),
+// limit_exceeded (more than max_frames; the GPU's memory), those of the renderer, and why the root could not be had.
+// `tiles` has adopted nothing yet. pre: validate(tileset.nodes), as many bytes as nodes
 Result<Roamed> roam(render::Renderer& renderer, proto::Tileset tileset, Tiles& tiles, const motion::Trace& motion,
                     const shading::View& home, const RoamOptions& options);
 

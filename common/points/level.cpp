@@ -92,4 +92,8 @@ std::uint64_t points_for(std::span<const Level> levels, double radius) {
     return high;
 }
 
+std::uint64_t points_worth_drawing(std::span<const Level> levels, double px_per_unit, double sphere_radius) {
+    return points_for(levels, std::min(least_disc_px / px_per_unit, least_disc_share * sphere_radius));
+}
+
 }  // namespace lodestream::points

@@ -41,4 +41,13 @@ Level level_of(std::span<const Level> levels, std::uint64_t count);
 // where none do. pre: likewise
 std::uint64_t points_for(std::span<const Level> levels, double radius);
 
+// In a picture no more points of a cloud are worth drawing than make discs of this radius, or of that share of the
+// sphere around its box where that is less, so that what is small keeps its shape. With discs of 0.8 px a crowd of
+// scans takes 1.6 times as long, and its picture's error falls by a seventh.
+inline constexpr double least_disc_px = 1.25;
+inline constexpr double least_disc_share = 1.0 / 24.0;
+
+// So many. `sphere_radius` in model units. pre: likewise
+std::uint64_t points_worth_drawing(std::span<const Level> levels, double px_per_unit, double sphere_radius);
+
 }  // namespace lodestream::points

@@ -4,11 +4,13 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -16,6 +18,7 @@
 #include <vector>
 
 #include "client/sdk/client.h"
+#include "common/image/codec.h"
 #include "tests/support/meshes.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
@@ -43,6 +46,25 @@ Ended run(const std::string& command, const fs::path& folder) {
     std::ifstream in(errors);
     ended.errors.assign(std::istreambuf_iterator<char>(in), {});
     return ended;
+}
+
+void write_cloud(const fs::path& file, const mesh::Mesh& mesh) {
+    std::ofstream out(file);
+    out << "ply\nformat ascii 1.0\nelement vertex " << mesh.positions.size()
+        << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
+           "property float nz\nend_header\n";
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        const Vec3f &p = mesh.positions[i], &n = mesh.normals[i];
+        out << p.x << ' ' << p.y << ' ' << p.z << ' ' << n.x << ' ' << n.y << ' ' << n.z << '\n';
+    }
+}
+
+image::Pixels read_picture(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    Result<image::Pixels> pixels = image::decode(std::as_bytes(std::span(text)));
+    EXPECT_TRUE(pixels) << file;
+    return pixels ? *std::move(pixels) : image::Pixels{};
 }
 
 // Rows by the names of their columns.
@@ -160,6 +182,49 @@ TEST_F(RoamProgram, StreamsARealSceneOfManyObjectsAlongAMotion) {
     EXPECT_EQ(rows[0].at("tiles"), 0.0) << "nothing comes before the round trip";
     EXPECT_GT(rows.back().at("tiles"), 0.0);
     EXPECT_GE(Json::parse(ended.output)["first_picture_s"], 0.06);
+}
+
+// As tiles that came over the wire, and as one level of all its points.
+TEST_F(RoamProgram, DrawsACloudAsItsPointsInOneLevelAre) {
+    const fs::path cloud = folder.path() / "cloud.ply", motion = folder.path() / "still.csv";
+    write_cloud(cloud, testing::sphere(250));  // 124,500 points
+    std::ofstream(motion) << "t_s,x,y,z,yaw_deg,pitch_deg\n0,0,0,2.2,0,0\n1,0,0,2.2,0,0\n";
+    const testing::ServerProgram server(LODESTREAM_SERVER, bake(cloud.string()));
+    const fs::path frames = folder.path() / "frames", device = folder.path() / "device.json";
+    const Ended ended = roam(server.url,
+                             "--asset cloud --fps 10 --tolerance-px 0.1 --fov 45 --width 320 --height 240 "
+                             "--motion " +
+                                 motion.string() + " --frames " + frames.string());
+    ASSERT_EQ(ended.code, 0) << ended.errors;
+    const auto last = read_csv(out).back();
+    EXPECT_EQ(last.at("missing_tiles"), 0.0);
+    EXPECT_GT(last.at("tiles"), 4.0);
+    EXPECT_EQ(last.at("triangles"), 0.0);
+    EXPECT_GT(last.at("points"), 16'384.0) << "more than the root's";
+
+    std::ofstream(device) << R"({"device":{"cpu_mhz":1e9,"points_per_second":1e12},"display":{"width":320,"height":240},
+        "view":{"eye":[0,0,2.2],"target":[0,0,0],"fov_y_deg":45}})";
+    const fs::path whole = folder.path() / "whole.png";
+    const Ended viewed = run(LODESTREAM_CLIENT " view --server " + server.url + " --asset cloud --primitives points " +
+                                 "--device " + device.string() + " --out " + whole.string(),
+                             folder.path());
+    ASSERT_EQ(viewed.code, 0) << viewed.errors;
+    std::vector<fs::path> pictures;
+    for (const auto& entry : fs::directory_iterator(frames)) pictures.push_back(entry.path());
+    const image::Pixels expected = read_picture(whole), drawn = read_picture(*std::ranges::max_element(pictures));
+    ASSERT_EQ(expected.rgba.size(), drawn.rgba.size());
+    double squares = 0.0;
+    std::size_t covered = 0, missing = 0;
+    for (std::size_t i = 0; i < expected.rgba.size(); i += 4) {
+        const int off = int{expected.rgba[i + 1]} - drawn.rgba[i + 1];
+        const bool is_covered = expected.rgba[i + 1] != 255, is_drawn = drawn.rgba[i + 1] != 255;
+        squares += off * off;
+        covered += is_covered;
+        missing += is_covered != is_drawn;
+    }
+    EXPECT_GT(covered, 20'000u);
+    EXPECT_LT(missing, covered / 100) << "of the outline alone";
+    EXPECT_LT(std::sqrt(squares / static_cast<double>(covered)), 4.0) << "steps of 255";
 }
 
 TEST_F(RoamProgram, WithoutAFadeLevelsPop) {

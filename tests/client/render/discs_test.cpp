@@ -211,7 +211,7 @@ TEST_F(DiscsTest, NoMorePointsAreDrawnThanThePictureNeeds) {
         const std::uint64_t points = drawn_from(distance);
         EXPECT_LT(points, before) << distance;
         EXPECT_NEAR(points::level_of(cloud.levels, points).radius,
-                    std::min(least_disc_px / px_per_unit, sphere * least_disc_share), 1e-3)
+                    std::min(points::least_disc_px / px_per_unit, sphere * points::least_disc_share), 1e-3)
             << distance;
         before = points;
     }

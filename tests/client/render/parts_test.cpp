@@ -153,6 +153,60 @@ TEST_F(PartsTest, PartsTogetherDrawTheSamePictureAsTheirWholeWouldAndBordersHave
     EXPECT_EQ(frame->draw_calls, 2u);
 }
 
+// Halves of a cloud, each with the discs of the whole: what instances of one level draw.
+TEST_F(PartsTest, PartsOfPointsTogetherDrawThePictureOfTheirWhole) {
+    codec::Points whole;
+    const mesh::Mesh sphere = lodestream::testing::sphere(40);
+    whole.cloud.positions = sphere.positions;
+    whole.cloud.normals = sphere.normals;
+    whole.base_color = {0.5f, 0.25f, 0.1f, 1.0f};
+    whole.levels = {{sphere.positions.size(), {}, 0.08}};
+    std::array<codec::Points, 2> halves{whole, whole};
+    for (codec::Points& half : halves) half.cloud = {};
+    for (std::size_t i = 0; i < sphere.positions.size(); ++i) {
+        points::PointCloud& half = halves[sphere.positions[i].x < 0.0f ? 0 : 1].cloud;
+        half.positions.push_back(sphere.positions[i]);
+        half.normals.push_back(sphere.normals[i]);
+    }
+    for (const double distance : {4.0, 1.6}) {  // as points, and so near that discs are quads
+        const View view{{0, 0, distance}, {0, 0, 0}, 45.0, {0, 0, 1}};
+        DrawOptions options{.width = 128, .height = 128, .samples = 1};
+        ASSERT_TRUE(renderer->upload(whole));
+        const auto expected = renderer->draw(view, options);
+        ASSERT_TRUE(renderer->begin_scene(scene));
+        std::uint64_t points = 0;
+        for (const codec::Points& half : halves) {
+            const auto part = prepare(half, scene);
+            ASSERT_TRUE(part) << part.error().message;
+            EXPECT_GE(part->gpu_bytes, 24 * part->points);
+            points += part->points;
+            options.parts.push_back({*renderer->add(*part)});
+        }
+        const auto drawn = renderer->draw(view, options);
+        ASSERT_TRUE(expected && drawn);
+        EXPECT_EQ(expected->points, points);
+        EXPECT_EQ(drawn->points, points);
+        EXPECT_EQ(points, sphere.positions.size());
+        const auto difference = compare(expected->image, drawn->image);
+        ASSERT_TRUE(difference);
+        EXPECT_GT(difference->compared_pixels, 4000u);
+        EXPECT_LT(difference->rms, 4.0) << distance;  // of two scales of floats: discs that touch may change places
+    }
+}
+
+TEST_F(PartsTest, ACloudThatIsNoneIsRefusedAndAnEmptyOneDrawsNothing) {
+    codec::Points cloud;
+    const auto empty = prepare(cloud, scene);
+    ASSERT_TRUE(empty) << empty.error().message;
+    ASSERT_TRUE(renderer->begin_scene(scene));
+    const auto added = renderer->add(*empty);
+    ASSERT_TRUE(added);
+    EXPECT_EQ(color_of(picture({{*added}}), 0), (std::array<int, 3>{0, 255, 0}));
+    cloud.cloud.positions = {Vec3f(std::numeric_limits<float>::quiet_NaN())};
+    EXPECT_FALSE(prepare(cloud, scene));
+    EXPECT_FALSE(prepare(codec::Points{}, Box{}));
+}
+
 TEST_F(PartsTest, OnlyThePartsAskedForAreDrawnAndThoseOutOfSightAreLeftOut) {
     ASSERT_TRUE(renderer->begin_scene(scene));
     const std::uint32_t ahead = add(content_of(testing::sphere(8), Shading::gouraud, {1, 0, 0}));

@@ -208,9 +208,10 @@ TEST_F(RoamTest, KeepsToTheClockThatItIsGiven) {
     EXPECT_THAT(times, ElementsAre(0.0, 0.1, 0.2));
 }
 
-TEST_F(RoamTest, TilesOfPointsAreRefused) {
+TEST_F(RoamTest, TilesOfPointsThatAreMovedAreRefused) {
     FakeTiles tiles(tileset);
     tileset.is_additive = true;
+    tileset.matrices.assign(tileset.nodes.size(), Mat4d(2.0));
     const auto refused = roam(*renderer, tileset, tiles, {{0.0, {}}}, home, options);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::unsupported);
