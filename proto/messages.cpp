@@ -216,9 +216,9 @@ Result<PlanResponse> parse_plan_response(std::string_view json) {
         }
         if (const auto crossing = fields.object("crossing")) {
             Crossing& at = response.crossing.emplace();
-            crossing->require("distance", at.distance);
-            crossing->read("triangles_px", at.triangles_px);
-            crossing->read("points_px", at.points_px);
+            crossing->read("distance", at.distance);
+            crossing->require("triangles_error_percent", at.triangles_error_percent);
+            crossing->require("points_error_percent", at.points_error_percent);
         }
         for (const Fields& item : fields.objects("left_out")) {
             LeftOut left_out;

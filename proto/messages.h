@@ -88,9 +88,10 @@ struct OutsideError {
 
 // Points against triangles.
 struct Crossing {
-    double distance = 0.0;      // from the bounding sphere's centre, model units: from there on points are chosen
-    double triangles_px = 0.0;  // what each would show of its error in the view at hand
-    double points_px = 0.0;
+    // From the bounding sphere's centre, model units: up to there points are chosen; none: from anywhere.
+    std::optional<double> distance;
+    double triangles_error_percent = 0.0;  // of each in pictures: RMS, of the step from black to white
+    double points_error_percent = 0.0;
 };
 
 struct PlanResponse {
@@ -128,7 +129,7 @@ struct PlanResponse {
         std::string media_type = "model/gltf-binary";
         std::string profile = "plain";
     } content;
-    std::optional<Crossing> crossing;  // where the request allows both and points win from some distance on
+    std::optional<Crossing> crossing;  // where the request allows both and points win from close by
     std::vector<LeftOut> left_out;
     struct {
         double plan = 0.0;    // ms, all of it

@@ -139,10 +139,11 @@ std::string to_json(const PlanResponse& response) {
     if (level.points > 0) object["level"]["points"] = level.points;
     if (level.outside)
         object["level"]["outside"] = {{"rms_error", level.outside->rms_error}, {"max_error", level.outside->max_error}};
-    if (response.crossing)
-        object["crossing"] = {{"distance", response.crossing->distance},
-                              {"triangles_px", response.crossing->triangles_px},
-                              {"points_px", response.crossing->points_px}};
+    if (const auto& crossing = response.crossing) {
+        object["crossing"] = {{"triangles_error_percent", crossing->triangles_error_percent},
+                              {"points_error_percent", crossing->points_error_percent}};
+        if (crossing->distance) object["crossing"]["distance"] = *crossing->distance;
+    }
     return print(object);
 }
 

@@ -261,7 +261,8 @@ Result<proto::Asset> bake_stages(store::Store& store, proto::Asset asset, mesh::
     make_worse(baked.errors, whole.error);
     const double done = asset.hierarchy ? shells_share : measured_share;
     const auto making_points = [&](double share) { return progress(std::lerp(done, points_share, share)); };
-    const PointsSource points{baked.model, source, original, whole.error};
+    const simplify::HistoryView cuts = simplify::view(baked.history);
+    const PointsSource points{baked.model, source, original, whole.error, asset.hierarchy ? nullptr : &cuts};
     if (Status made = make_points(store, asset.id, points, making_points); !made) return made.error();
 
     std::vector<std::optional<Result<proto::Level>>> levels;

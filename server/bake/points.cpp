@@ -9,6 +9,7 @@
 #include "common/points/tiles.h"
 #include "server/bake/executor.h"
 #include "server/bake/shapes.h"
+#include "server/bake/shown_errors.h"
 #include "server/bake/surface_colors.h"
 #include "server/bake/tile_tree.h"
 
@@ -112,7 +113,7 @@ Status store_tiles(store::Store& store, const std::string& asset_id, const codec
 
 Status make_points(store::Store& store, const std::string& asset_id, const PointsSource& source,
                    const std::function<bool(double)>& progress) {
-    const auto& [model, finest, original, off] = source;
+    const auto& [model, finest, original, off, history] = source;
     const SurfaceColors colors(model, finest);
     const std::uint64_t budget = point_budget(finest);
     const points::PointCloud cloud = make_cloud(finest, budget, colors);
@@ -122,7 +123,10 @@ Status make_points(store::Store& store, const std::string& asset_id, const Point
     content.origin = model.origin;
     const auto stored =
         store_ordered(store, asset_id, {cloud, budget, finest, original, std::move(content), off}, progress);
-    return stored ? Status{Nothing{}} : Status{stored.error()};
+    if (!stored) return stored.error();
+    if (!history) return Nothing{};
+    return put_shown_errors(
+        store, asset_id, measure_shown_errors({colors, finest, *history, stored->cloud, stored->levels}, all_cores()));
 }
 
 Status make_cloud_points(store::Store& store, const std::string& asset_id, const mesh::Model& model,

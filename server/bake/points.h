@@ -10,6 +10,7 @@
 #include "common/codec/points_codec.h"
 #include "common/mesh/mesh.h"
 #include "common/metric/surface_distance.h"
+#include "common/simplify/history.h"
 #include "server/store/store.h"
 
 namespace lodestream::bake {
@@ -22,14 +23,16 @@ inline constexpr std::uint64_t max_points_bytes = 1ull << 30;
 
 // What an asset is resampled from.
 struct PointsSource {
-    const mesh::Model& model;              // materials, images and origin
-    const mesh::Mesh& finest;              // its finest level
-    const metric::SurfaceIndex& original;  // of that
-    metric::SurfaceError off{};            // what that is off itself
+    const mesh::Model& model;                        // materials, images and origin
+    const mesh::Mesh& finest;                        // its finest level
+    const metric::SurfaceIndex& original;            // of that
+    metric::SurfaceError off{};                      // what that is off itself
+    const simplify::HistoryView* history = nullptr;  // of the finest: to weigh points against its cuts; null: not
 };
 
-// Makes, measures, encodes and stores them. `progress` is told the share done, from any thread, and returns false to
-// cancel. Errors: unavailable (cancelled), those of the codec and the store.
+// Makes, measures, encodes and stores them, and what they and the model's cuts show of their errors. `progress` is told
+// the share done, from any thread, and returns false to cancel. Errors: unavailable (cancelled), those of the codec and
+// the store.
 Status make_points(store::Store& store, const std::string& asset_id, const PointsSource& source,
                    const std::function<bool(double)>& progress);
 

@@ -22,15 +22,20 @@ std::size_t texel_at(float coordinate, mesh::Wrap wrap, std::uint32_t size) {
 
 }  // namespace
 
-SurfaceColors::SurfaceColors(const mesh::Model& model, const mesh::Mesh& mesh)
-    : model_(model), mesh_(mesh), images_(model.images.size()) {
-    if (mesh.texture_coordinates.empty()) return;
+SurfaceColors::SurfaceColors(const mesh::Model& model, const mesh::Mesh& mesh) : model_(model), mesh_(mesh) {
+    Images images(model.images.size());
     for (const mesh::Material& material : model.materials) {
         const int image = material.base_color_texture.image;
-        if (image < 0 || !images_[static_cast<std::size_t>(image)].rgba.empty()) continue;
+        if (mesh.texture_coordinates.empty() || image < 0 || !images[static_cast<std::size_t>(image)].rgba.empty())
+            continue;
         Result<image::Pixels> pixels = image::decode(model.images[static_cast<std::size_t>(image)].bytes);
-        if (pixels) images_[static_cast<std::size_t>(image)] = *std::move(pixels);
+        if (pixels) images[static_cast<std::size_t>(image)] = *std::move(pixels);
     }
+    images_ = std::make_shared<const Images>(std::move(images));
+}
+
+SurfaceColors SurfaceColors::on(const mesh::Mesh& mesh) const {
+    return {model_, mesh, images_};
 }
 
 std::optional<Vec4f> SurfaceColors::constant() const {
@@ -39,14 +44,14 @@ std::optional<Vec4f> SurfaceColors::constant() const {
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
         const mesh::Material& material = model_.materials[material_of(mesh_, t)];
         const int image = material.base_color_texture.image;
-        const bool is_textured = image >= 0 && !images_[static_cast<std::size_t>(image)].rgba.empty();
+        const bool is_textured = image >= 0 && !(*images_)[static_cast<std::size_t>(image)].rgba.empty();
         if (is_textured || material.base_color != first.base_color) return std::nullopt;
     }
     return first.base_color;
 }
 
 Vec4f SurfaceColors::texel(const mesh::TextureReference& texture, const Vec2f& place) const {
-    const image::Pixels& image = images_[static_cast<std::size_t>(texture.image)];
+    const image::Pixels& image = (*images_)[static_cast<std::size_t>(texture.image)];
     if (image.rgba.empty()) return Vec4f(1.0f);
     const std::size_t x = texel_at(place.x, texture.wrap_s, image.width);
     const std::size_t y = texel_at(place.y, texture.wrap_t, image.height);

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/base/math.h"
@@ -17,6 +19,9 @@ class SurfaceColors {
     // is white.
     SurfaceColors(const mesh::Model& model, const mesh::Mesh& mesh);
 
+    // The same model's on another geometry of it, which must outlive them.
+    SurfaceColors on(const mesh::Mesh& mesh) const;
+
     // The colour of the whole surface, where it has but one.
     std::optional<Vec4f> constant() const;
 
@@ -25,11 +30,15 @@ class SurfaceColors {
     Rgba8 at(std::size_t triangle, const Vec3f& weights) const;
 
   private:
+    using Images = std::vector<image::Pixels>;
+
+    SurfaceColors(const mesh::Model& model, const mesh::Mesh& mesh, std::shared_ptr<const Images> images)
+        : model_(model), mesh_(mesh), images_(std::move(images)) {}
     Vec4f texel(const mesh::TextureReference& texture, const Vec2f& place) const;
 
     const mesh::Model& model_;
     const mesh::Mesh& mesh_;
-    std::vector<image::Pixels> images_;  // those that base colours use; others are empty
+    std::shared_ptr<const Images> images_;  // those that base colours use; others are empty
 };
 
 }  // namespace lodestream::bake

@@ -355,45 +355,47 @@ Result<proto::PlanResponse> Planner::Impl::plan_triangles(const proto::PlanReque
     }
 }
 
-double seen_pixels_per_unit(const proto::PlanRequest& request, const Box& world_bounds) {
-    return shading::pixels_per_unit(view_of(request, world_bounds), world_bounds, display_of(request));
+Sight sight_of(const proto::PlanRequest& request, const Box& world_bounds) {
+    const shading::View view = view_of(request, world_bounds);
+    return {shading::pixels_per_unit(view, world_bounds, display_of(request)),
+            glm::length(view.eye - world_bounds.center()), world_bounds.radius()};
 }
 
 // A plan of points alone still tells the device's share and what it would get in triangles.
 Result<proto::PlanResponse> Planner::Impl::plan_points(const proto::PlanRequest& request, const proto::Asset& asset,
                                                        const Box& world_bounds) {
-    const double pixels_per_unit = seen_pixels_per_unit(request, world_bounds);
-    const Result<PointLevel> level = planner::plan_points(store, asset, request, pixels_per_unit);
+    const Sight sight = sight_of(request, world_bounds);
+    const Result<PointLevel> level = planner::plan_points(store, asset, request, sight);
     if (!level) return level.error();
     const Result<budget::Budget> budget = budget::derive_budget(request.budget, cost_of(asset, {}));
     if (!budget) return budget.error();
     proto::PlanResponse response;
     fill_budget(response, *budget);
-    if (Status added = add_points(response, store, asset.id, *level, pixels_per_unit); !added) return added.error();
+    if (Status added = add_points(response, store, asset.id, *level, sight.pixels_per_unit); !added)
+        return added.error();
     response.shading.distance = place(request, world_bounds, budget->dlr).distance;
     return response;
 }
 
-// The plan of triangles is at hand; points take its place where they win. An asset without points keeps it.
+// The plan of triangles is at hand; points take its place where they win. An asset without points, or of which it was
+// not measured what they show, keeps it.
 Status Planner::Impl::choose_primitives(proto::PlanResponse& response, const proto::PlanRequest& request,
                                         const proto::Asset& asset, const LoadedAsset& loaded) {
-    const shading::View view = view_of(request, loaded.world_bounds);
-    const double pixels_per_unit = seen_pixels_per_unit(request, loaded.world_bounds);
-    const Result<PointLevel> level = planner::plan_points(store, asset, request, pixels_per_unit);
-    if (!level) return level.error().code == ErrorCode::not_found ? Status{Nothing{}} : Status{level.error()};
-    const Rivals rivals{seen_error(response).rms * pixels_per_unit,
-                        level->error_px,
-                        response.content.bytes,
-                        level->bytes,
-                        glm::length(view.eye - loaded.world_bounds.center()),
-                        loaded.world_bounds.radius()};
+    const auto kept = [](const Error& error) {
+        return error.code == ErrorCode::not_found ? Status{Nothing{}} : Status{error};
+    };
+    const Sight sight = sight_of(request, loaded.world_bounds);
+    const Result<PointLevel> level = planner::plan_points(store, asset, request, sight);
+    if (!level) return kept(level.error());
     response.budget.points = level->budget.points;
-    if (const std::optional<double> distance = crossing_distance(rivals))
-        response.crossing = {*distance, rivals.triangles_px, rivals.points_px};
-    if (!points_win(rivals)) return Nothing{};
+    const Result<bake::ShownErrors> errors = bake::load_shown_errors(store, asset.id);
+    if (!errors) return kept(errors.error());
+    const double triangles_error = shown_error(*errors, response.shading.gouraud, response.shading.flat);
+    response.crossing = crossing_of(*level, *errors, triangles_error, sight);
+    if (!response.crossing || !points_win(*response.crossing)) return Nothing{};
     response.left_out.clear();
     response.timing_ms = {};
-    return add_points(response, store, asset.id, *level, pixels_per_unit);
+    return add_points(response, store, asset.id, *level, sight.pixels_per_unit);
 }
 
 Result<proto::PlanResponse> Planner::Impl::plan_baked(const proto::PlanRequest& request, const proto::Asset& asset) {

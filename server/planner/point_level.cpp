@@ -1,6 +1,7 @@
 #include "server/planner/point_level.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/codec/points_layout.h"
 #include "common/points/level.h"
@@ -61,14 +62,33 @@ Result<StoredLevel> stored_level(store::Store& store, const std::string& asset_i
     return StoredLevel{*std::move(file), profile, encode_ms};
 }
 
-double visible(double error_px) {
-    return std::max(error_px, invisible_px);
+constexpr double percent = 100.0;
+
+// Of a cloud that has lost its order, as a lean level has, all are drawn.
+std::uint64_t drawn_at(const PointLevel& level, double pixels_per_unit, double radius) {
+    const std::uint64_t points = level.budget.points;
+    const bool is_ordered = level.profile == proto::Profile::plain || points < fewest_lean_points;
+    return is_ordered ? std::min(points, points::points_worth_drawing(level.points.levels, pixels_per_unit, radius))
+                      : points;
+}
+
+// Up to where points are worth drawing in such a number that their error is below that; none: from anywhere.
+std::optional<double> farthest_win(const PointLevel& level, const bake::ShownErrors& errors, double triangles_error,
+                                   const Sight& sight) {
+    constexpr double far_away = 0.0;  // px per unit
+    const std::uint64_t fewest = drawn_at(level, far_away, sight.radius);
+    std::uint64_t points = level.budget.points;
+    while (points > fewest && bake::error_at(errors.points, points) < triangles_error) points -= 1 + points / 64;
+    if (points <= fewest && bake::error_at(errors.points, fewest) < triangles_error) return std::nullopt;
+    const double radius = points::level_of(level.points.levels, points).radius;
+    const double nearest = std::max(sight.distance - sight.radius, 0.0);
+    return sight.radius + nearest * sight.pixels_per_unit * radius / points::least_disc_px;
 }
 
 }  // namespace
 
 Result<PointLevel> plan_points(const store::Store& store, const proto::Asset& asset, const proto::PlanRequest& request,
-                               double pixels_per_unit) {
+                               const Sight& sight) {
     Result<codec::Points> points = bake::load_points(store, asset.id);
     if (!points) return points.error();
     PointLevel level;
@@ -78,28 +98,33 @@ Result<PointLevel> plan_points(const store::Store& store, const proto::Asset& as
     level.profile = request.profile;
     const std::uint64_t bytes_each = bytes_per_point(level.points.cloud, level.profile);
     const Result<budget::PointBudget> budget = budget::derive_point_budget(
-        request.budget, {levels.front().points, asset.triangles,
-                         points::points_for(levels, smallest_disc_px / pixels_per_unit), header_bytes, bytes_each});
+        request.budget,
+        {levels.front().points, asset.triangles, points::points_for(levels, smallest_disc_px / sight.pixels_per_unit),
+         header_bytes, bytes_each});
     if (!budget) return budget.error();
     level.budget = *budget;
     level.bytes = header_bytes + level.budget.points * bytes_each;
-    level.error_px = shown_share_of_radius * points::level_of(levels, level.budget.points).radius * pixels_per_unit;
     return level;
 }
 
-bool points_win(const Rivals& rivals) {
-    const double triangles_px = visible(rivals.triangles_px), points_px = visible(rivals.points_px);
-    if (points_px != triangles_px) return points_px < triangles_px;
-    return rivals.points_bytes < rivals.triangles_bytes;
+double shown_error(const bake::ShownErrors& errors, std::uint64_t gouraud, std::uint64_t flat) {
+    const std::uint64_t all = gouraud + flat;
+    if (all == 0) return 0.0;
+    const double share = static_cast<double>(flat) / static_cast<double>(all);
+    return std::hypot(std::sqrt(1.0 - share) * bake::error_at(errors.gouraud, all),
+                      std::sqrt(share) * bake::error_at(errors.flat, all));
 }
 
-// Errors on the screen fall with the distance from the sphere's nearest point, both alike. So points that cost more
-// bytes never win for good, and cheaper ones do once their error cannot be seen.
-std::optional<double> crossing_distance(const Rivals& rivals) {
-    if (rivals.points_bytes >= rivals.triangles_bytes) return std::nullopt;
-    if (rivals.points_px <= rivals.triangles_px) return 0.0;
-    const double here = std::max(rivals.distance - rivals.radius, 0.0);
-    return rivals.radius + here * rivals.points_px / invisible_px;
+std::optional<proto::Crossing> crossing_of(const PointLevel& level, const bake::ShownErrors& errors,
+                                           double triangles_error, const Sight& sight) {
+    if (!(bake::error_at(errors.points, level.budget.points) < triangles_error)) return std::nullopt;
+    const std::uint64_t drawn = drawn_at(level, sight.pixels_per_unit, sight.radius);
+    return proto::Crossing{farthest_win(level, errors, triangles_error, sight), percent * triangles_error,
+                           percent * bake::error_at(errors.points, drawn)};
+}
+
+bool points_win(const proto::Crossing& crossing) {
+    return crossing.points_error_percent < crossing.triangles_error_percent;
 }
 
 Status add_points(proto::PlanResponse& response, store::Store& store, const std::string& asset_id,

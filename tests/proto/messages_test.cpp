@@ -228,8 +228,8 @@ TEST(PlanResponse, TellsOfPointsWhereThereAreAny) {
     EXPECT_EQ(again->level.points, 800u);
     ASSERT_TRUE(again->crossing);
     EXPECT_EQ(again->crossing->distance, 12.0);
-    EXPECT_EQ(again->crossing->triangles_px, 0.25);
-    EXPECT_EQ(again->crossing->points_px, 3.5);
+    EXPECT_EQ(again->crossing->triangles_error_percent, 0.25);
+    EXPECT_EQ(again->crossing->points_error_percent, 3.5);
 }
 
 TEST(PlanResponse, TellsTheErrorOfAnOutsideWhereALevelShowsNothingElse) {
