@@ -87,7 +87,24 @@ void read_crowd(const Fields& fields, const std::string& model, PointsRun& run) 
     fields.require("full_ms", crowd.full_ms);
     fields.require("points_ms", crowd.points_ms);
     fields.read("paper_gain", crowd.paper_gain);
+    fields.read("scaled_gain", crowd.scaled_gain);
     run.crowds.push_back(std::move(crowd));
+}
+
+void read_choice(const Fields& fields, const std::string& model, PointsRun& run) {
+    PointsChoice choice;
+    choice.model = model;
+    fields.require("device", choice.device);
+    fields.require("points_per_triangle", choice.points_per_triangle);
+    fields.require("frame_share", choice.frame_share);
+    fields.require("distance", choice.distance);
+    fields.require("triangles", choice.triangles);
+    fields.require("points", choice.points);
+    fields.require("triangles_percent", choice.triangles_percent);
+    fields.require("points_percent", choice.points_percent);
+    fields.require("chose_points", choice.chose_points);
+    fields.read("crossing", choice.crossing);
+    run.choices.push_back(std::move(choice));
 }
 
 void read_picture(const Fields& fields, const std::string& model, PointsRun& run) {
@@ -108,6 +125,7 @@ void read_model(const Fields& fields, PointsRun& run) {
     for (const Fields& one : fields.objects("scores")) read_score(one, score, run);
     for (const Fields& one : fields.objects("settings")) read_setting(one, score.model, run);
     for (const Fields& one : fields.objects("crowds")) read_crowd(one, score.model, run);
+    for (const Fields& one : fields.objects("choices")) read_choice(one, score.model, run);
     for (const Fields& one : fields.objects("pictures")) read_picture(one, score.model, run);
 }
 

@@ -76,6 +76,19 @@ struct PointsCrowd {
     std::uint64_t instances = 0, full_triangles = 0, points = 0;
     double full_ms = 0.0, points_ms = 0.0;  // of a frame, CPU time
     std::optional<double> paper_gain;       // of the frame rate
+    std::optional<double> scaled_gain;  // the paper's times the vertices at hand over its scan's, where they are fewer
+};
+
+// A model from one distance, as triangles and as points of the same frame time, and which of them a plan sends.
+struct PointsChoice {
+    std::string model, device;
+    double points_per_triangle = 0.0;  // drawn in the same time
+    double frame_share = 0.0;          // of the device's frame that the model gets
+    double distance = 0.0;             // of the eye, radii
+    std::uint64_t triangles = 0, points = 0;
+    double triangles_percent = 0.0, points_percent = 0.0;  // of the pictures against the full model's: RMS
+    bool chose_points = false;
+    std::optional<double> crossing;  // radii: up to there the plan takes points; none: never, or at any distance
 };
 
 struct PointsPicture {
@@ -89,6 +102,7 @@ struct PointsRun {
     std::vector<PointsScore> scores;
     std::vector<PointsSetting> settings;
     std::vector<PointsCrowd> crowds;
+    std::vector<PointsChoice> choices;
     std::vector<PointsPicture> pictures;
 };
 

@@ -104,6 +104,7 @@ Section points_section(const ReportData& data);
 Section points_scores_section(const proto::PointsRun& run);
 Section points_settings_section(const proto::PointsRun& run);
 Section points_crowds_section(const proto::PointsRun& run);
+Section points_choices_section(const proto::PointsRun& run);
 Section scenes_section(const proto::SceneRun& run);
 Section frame_rate_section(const ReportData& data);
 

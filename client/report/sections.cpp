@@ -43,6 +43,7 @@ std::vector<Section> sections(const ReportData& data) {
         if (!data.points->scores.empty()) all.push_back(points_scores_section(*data.points));
         if (!data.points->settings.empty()) all.push_back(points_settings_section(*data.points));
         if (!data.points->crowds.empty()) all.push_back(points_crowds_section(*data.points));
+        if (!data.points->choices.empty()) all.push_back(points_choices_section(*data.points));
     }
     all.push_back(frame_rate_section(data));
     return all;

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "client/render/gl_context.h"
+#include "client/report/choice_groups.h"
 #include "client/report/crowd.h"
 #include "client/report/machine.h"
 #include "client/report/text.h"
@@ -20,6 +21,7 @@
 #include "server/bake/executor.h"
 #include "server/importer/importer.h"
 #include "server/samples/samples.h"
+#include "tests/bench/point_choice.h"
 #include "tests/bench/point_codecs.h"
 #include "tests/bench/points_json.h"
 #include "tests/bench/points_paper.h"
@@ -42,7 +44,7 @@ struct Arguments {
     bool share = false;
     bool codecs = false;
     std::vector<std::uint32_t> crowds;
-    std::string picture_folder, json_file, command_line;
+    std::string store, picture_folder, json_file, command_line;
 };
 
 constexpr double other_level_ratio = 0.5;  // of a level's points to the finer one's, where the paper has none
@@ -211,9 +213,11 @@ class Bench {
         study(arguments_.share, &Bench::compare_with_levels);
         study(arguments_.codecs, &Bench::compare_codecs);
         study(!arguments_.crowds.empty(), &Bench::time_crowds);
+        if (!arguments_.store.empty()) study_choices(arguments_.store, run_.choices, [this] { keep(); });
         if (arguments_.scores) print_scores();
         if (arguments_.parameters) print_settings();
         if (!arguments_.crowds.empty()) print_crowds();
+        if (!arguments_.store.empty()) print_choices();
     }
 
   private:
@@ -222,8 +226,12 @@ class Bench {
         if (!is_wanted) return;
         for (const std::string& name : arguments_.models) {
             (this->*of_model)(name);
-            if (!arguments_.json_file.empty()) write_points_run(arguments_.json_file, arguments_.command_line, run_);
+            keep();
         }
+    }
+
+    void keep() const {
+        if (!arguments_.json_file.empty()) write_points_run(arguments_.json_file, arguments_.command_line, run_);
     }
 
     codec::Points make_cloud(const mesh::Model& model, std::uint64_t points) {
@@ -500,6 +508,8 @@ class Bench {
             }
             time_crowd(crowd, side, row);
             if (paper) row.paper_gain = paper->gain(row.instances);
+            // A frame of full models takes as much longer as they have more triangles; one of points does not.
+            if (row.paper_gain) row.scaled_gain = std::max(1.0, *row.paper_gain * scale_of(model.mesh, paper));
             run_.crowds.push_back(row);
         }
     }
@@ -568,11 +578,24 @@ class Bench {
     void print_crowds() const {
         std::cout << "\nFrames of crowds, CPU time\n";
         std::vector<TableRow> table{
-            {"model", "instances", "full ms", "points ms", "gain", "paper's", "full triangles", "points"}};
+            {"model", "instances", "full ms", "points ms", "gain", "paper's", "scaled", "full triangles", "points"}};
         for (const proto::PointsCrowd& row : run_.crowds)
             table.push_back({row.model, std::to_string(row.instances), fixed(row.full_ms, 1), fixed(row.points_ms, 1),
                              fixed(row.full_ms / row.points_ms, 2), row.paper_gain ? fixed(*row.paper_gain, 2) : "",
-                             std::to_string(row.full_triangles), std::to_string(row.points)});
+                             row.scaled_gain ? fixed(*row.scaled_gain, 2) : "", std::to_string(row.full_triangles),
+                             std::to_string(row.points)});
+        std::cout << to_text(table);
+    }
+
+    void print_choices() const {
+        std::cout
+            << "\nPoints against triangles of the same frame time: cases, where points are nearer, where the plan "
+               "takes them, and where it takes the nearer\n";
+        std::vector<TableRow> table{{"device", "points a triangle", "of a frame", "cases", "points", "taken", "right"}};
+        for (const report::ChoiceGroup& group : report::choice_groups(run_.choices))
+            table.push_back({group.device, fixed(group.points_per_triangle, 1), fixed(group.frame_share, 4),
+                             std::to_string(group.cases), std::to_string(group.points_nearer),
+                             std::to_string(group.points_taken), std::to_string(group.right)});
         std::cout << to_text(table);
     }
 
@@ -602,12 +625,16 @@ int main(int argc, char** argv) {
     app.add_flag("--parameters", arguments.parameters, "Holes and F over filters, T1, T2 and T3");
     app.add_flag("--share", arguments.share, "The level of triangles that errs as much as the points do");
     app.add_flag("--codecs", arguments.codecs, "Bytes of levels by other codecs");
+    app.add_option(
+        "--choices", arguments.store,
+        "Points against triangles of the same frame time, and the plan's choice, of all assets of this store");
     app.add_option("--crowds", arguments.crowds, "Frame times of squares of that many instances a side");
     app.add_option("--pictures", arguments.picture_folder, "Write the pictures there");
     app.add_option("--json", arguments.json_file, "Write a file for `lodestream-client report --points`");
     app.footer("Example:\n  lodestream_bench_points bunny.ply --scores --crowds 5 11 17 --json points.json");
     CLI11_PARSE(app, argc, argv);
-    if (!arguments.parameters && !arguments.share && !arguments.codecs && arguments.crowds.empty())
+    if (!arguments.parameters && !arguments.share && !arguments.codecs && arguments.store.empty() &&
+        arguments.crowds.empty())
         arguments.scores = true;
     try {
         lodestream::bench::Bench(std::move(arguments)).run();

@@ -43,6 +43,21 @@ json to_json(const proto::PointsCrowd& crowd) {
              {"full_ms", crowd.full_ms},
              {"points_ms", crowd.points_ms}};
     if (crowd.paper_gain) row["paper_gain"] = *crowd.paper_gain;
+    if (crowd.scaled_gain) row["scaled_gain"] = *crowd.scaled_gain;
+    return row;
+}
+
+json to_json(const proto::PointsChoice& choice) {
+    json row{{"device", choice.device},
+             {"points_per_triangle", choice.points_per_triangle},
+             {"frame_share", choice.frame_share},
+             {"distance", choice.distance},
+             {"triangles", choice.triangles},
+             {"points", choice.points},
+             {"triangles_percent", choice.triangles_percent},
+             {"points_percent", choice.points_percent},
+             {"chose_points", choice.chose_points}};
+    if (choice.crossing) row["crossing"] = *choice.crossing;
     return row;
 }
 
@@ -75,6 +90,7 @@ void write_points_run(const std::string& file, const std::string& command_line, 
     models.add("scores", run.scores);
     models.add("settings", run.settings);
     models.add("crowds", run.crowds);
+    models.add("choices", run.choices);
     models.add("pictures", run.pictures);
     std::ofstream out(file);
     out << json{{"run", provenance_json(command_line)}, {"models", models.all}}.dump(2) << '\n';

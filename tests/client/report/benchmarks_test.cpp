@@ -52,7 +52,14 @@ constexpr const char* points_of_a_bunny = R"({
       {"varied": "filter", "filter": "none", "slices": 100, "side": 100, "point_size": 0.5, "points": 40, "holes": 8,
        "hole_px": 30, "views": 4, "recall": 1.0, "precision": 0.9, "f_measure": 0.95}],
     "crowds": [{"instances": 25, "full_triangles": 2500, "points": 200, "full_ms": 12.0, "points_ms": 4.0,
-                "paper_gain": 1.1}],
+                "paper_gain": 1.1, "scaled_gain": 1.05}],
+    "choices": [
+      {"device": "pda", "points_per_triangle": 0.5, "frame_share": 1.0, "distance": 3.0, "triangles": 100,
+       "points": 50, "triangles_percent": 4.0, "points_percent": 9.0, "chose_points": false},
+      {"device": "pda", "points_per_triangle": 8.0, "frame_share": 1.0, "distance": 3.0, "triangles": 100,
+       "points": 800, "triangles_percent": 4.0, "points_percent": 2.0, "chose_points": true, "crossing": 9.0},
+      {"device": "pda", "points_per_triangle": 8.0, "frame_share": 1.0, "distance": 6.0, "triangles": 100,
+       "points": 800, "triangles_percent": 4.0, "points_percent": 2.0, "chose_points": false}],
     "pictures": [{"title": "crowd", "panels": ["full", "points"], "png": "aGk="},
                  {"title": "slices", "png": "aG8="}]}]})";
 
@@ -190,14 +197,28 @@ TEST_F(PointRuns, TellTheGainBesideThePapers) {
     const Section section = points_crowds_section(*read(points_of_a_bunny));
     EXPECT_EQ(first_cell(section.rows, "gain"), Cell(3.0));
     EXPECT_EQ(first_cell(section.rows, "paper_gain"), Cell(1.1));
+    EXPECT_EQ(first_cell(section.rows, "scaled_gain"), Cell(1.05));
+}
+
+TEST_F(PointRuns, TellWhereThePlanTakesWhatIsNearer) {
+    const Section section = points_choices_section(*read(points_of_a_bunny));
+    EXPECT_EQ(section.rows.rows.size(), 3u);
+    ASSERT_EQ(section.plots.size(), 1u);  // of one device
+    ASSERT_EQ(section.plots[0].series.size(), 2u);
+    EXPECT_EQ(section.plots[0].series[0].points[0].y, 2.25);
+    EXPECT_EQ(section.plots[0].series[1].points.size(), 2u);
+    ASSERT_TRUE(section.shown);
+    ASSERT_EQ(section.shown->rows.size(), 2u);
+    EXPECT_EQ(first_number(*section.shown, "right_percent"), 100.0);
+    EXPECT_THAT(section.text_html, HasSubstr("on 66.7 % of 3 cases. Points are nearer on 2, and on 1 of these"));
 }
 
 TEST_F(PointRuns, AreSectionsOnlyOfWhatWasMeasured) {
     ReportData data = testing::report_data();
     data.points = *read(points_of_a_bunny);
-    EXPECT_EQ(sections(data).size(), sections(testing::report_data()).size() + 3);
+    EXPECT_EQ(sections(data).size(), sections(testing::report_data()).size() + 4);
     data.points->crowds.clear();
-    EXPECT_EQ(sections(data).size(), sections(testing::report_data()).size() + 2);
+    EXPECT_EQ(sections(data).size(), sections(testing::report_data()).size() + 3);
 }
 
 TEST_F(PointRuns, AnythingElseIsRefusedWithItsPlace) {
