@@ -25,6 +25,7 @@
 #include "tests/bench/point_codecs.h"
 #include "tests/bench/points_json.h"
 #include "tests/bench/points_paper.h"
+#include "tests/bench/process_memory.h"
 #include "tests/bench/stopwatch.h"
 #include "tests/bench/table.h"
 
@@ -41,6 +42,7 @@ struct Arguments {
     std::uint32_t directions = 8;
     bool scores = false;
     bool parameters = false;
+    bool levels = false;
     bool share = false;
     bool codecs = false;
     std::vector<std::uint32_t> crowds;
@@ -210,6 +212,7 @@ class Bench {
         std::cout << "On " << context_.renderer() << std::endl;
         study(arguments_.scores, &Bench::score);
         study(arguments_.parameters, &Bench::vary);
+        study(arguments_.levels, &Bench::time_levels);
         study(arguments_.share, &Bench::compare_with_levels);
         study(arguments_.codecs, &Bench::compare_codecs);
         study(!arguments_.crowds.empty(), &Bench::time_crowds);
@@ -252,6 +255,28 @@ class Bench {
         const auto kept =
             static_cast<std::uint64_t>(static_cast<double>(cloud.positions.size()) / points::oversampling);
         return content_of(model, points::order(cloud, kept, how.executor), how.executor);
+    }
+
+    // From triangles to the ordered cloud of which every prefix is a level, as a bake makes it.
+    void time_levels(const std::string& name) {
+        const mesh::Model model = load(name);
+        const auto make = [&] {
+            const points::Parameters parameters = points::choose_parameters(model.mesh, most_points);
+            return points::order(points::resample(model.mesh, parameters, how_), most_points, how_.executor);
+        };
+        std::vector<double> wall_ms, cpu_ms;
+        for (int turn = 0; turn < turns; ++turn) {
+            const Stopwatch watch;
+            make();
+            const auto took = watch.elapsed();
+            wall_ms.push_back(took.wall_ms);
+            cpu_ms.push_back(took.cpu_ms);
+        }
+        const std::uint64_t bytes = peak_growth_bytes([&] { make(); });
+        std::cout << stem_of(name) << ", " << model.mesh.triangles.size() << " triangles: " << most_points
+                  << " ordered points in " << fixed(1e-3 * median(wall_ms), 2) << " s, CPU "
+                  << fixed(1e-3 * median(cpu_ms), 2) << " s (medians of " << turns << "), at most "
+                  << fixed(1e-6 * static_cast<double>(bytes), 0) << " MB beside the model's" << std::endl;
     }
 
     // Full model and points, each on its renderer.
@@ -623,6 +648,7 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     app.add_flag("--parameters", arguments.parameters, "Holes and F over filters, T1, T2 and T3");
+    app.add_flag("--levels", arguments.levels, "Time and memory of making all levels of at most 300,000 points");
     app.add_flag("--share", arguments.share, "The level of triangles that errs as much as the points do");
     app.add_flag("--codecs", arguments.codecs, "Bytes of levels by other codecs");
     app.add_option(
@@ -633,8 +659,8 @@ int main(int argc, char** argv) {
     app.add_option("--json", arguments.json_file, "Write a file for `lodestream-client report --points`");
     app.footer("Example:\n  lodestream_bench_points bunny.ply --scores --crowds 5 11 17 --json points.json");
     CLI11_PARSE(app, argc, argv);
-    if (!arguments.parameters && !arguments.share && !arguments.codecs && arguments.store.empty() &&
-        arguments.crowds.empty())
+    if (!arguments.parameters && !arguments.levels && !arguments.share && !arguments.codecs &&
+        arguments.store.empty() && arguments.crowds.empty())
         arguments.scores = true;
     try {
         lodestream::bench::Bench(std::move(arguments)).run();
