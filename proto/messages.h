@@ -21,7 +21,8 @@ enum class AssetStatus { baking, ready, failed };
 enum class Profile { plain, lean };
 // Which triangles get normals: the plan's split, or all or none of them (the two pure modes to compare with).
 enum class ShadingMode { hybrid, gouraud, flat };
-// What a level may be made of. `any`: what shows the smaller error in the view, and where neither shows, the cheaper.
+// What a level may be made of. `any`: of what the device draws in its time, what is nearer in pictures, as the bake
+// measured them (server/bake/shown_errors.h).
 enum class Primitives { triangles, points, any };
 
 // One rung of an asset's ladder; 0 is the finest.

@@ -15,9 +15,8 @@ double middle_of(std::vector<double> values) {
     return *middle;
 }
 
-std::string name_of(const ChoiceGroup& group) {
-    return group.device + ", " + format_number(group.points_per_triangle) + " points a triangle, " +
-           format_number(100.0 * group.frame_share) + " % of a frame";
+std::string share_words(double frame_share) {
+    return frame_share == 1.0 ? "a whole frame" : "1/" + format_number(1.0 / frame_share) + " of a frame";
 }
 
 bool is_of(const proto::PointsChoice& choice, const ChoiceGroup& group) {
@@ -31,7 +30,7 @@ Series ratio_series(const std::vector<proto::PointsChoice>& choices, const Choic
     for (const proto::PointsChoice& choice : choices)
         if (is_of(choice, group) && choice.triangles_percent > 0.0 && choice.points_percent > 0.0)
             ratios[choice.distance].push_back(choice.points_percent / choice.triangles_percent);
-    Series series{name_of(group), {}, true, true, false, std::nullopt};
+    Series series{format_number(group.points_per_triangle) + " points a triangle", {}, true, true, false, std::nullopt};
     for (auto& [distance, values] : ratios) {
         const double ratio = middle_of(std::move(values));
         series.points.push_back({distance, ratio,
@@ -41,18 +40,22 @@ Series ratio_series(const std::vector<proto::PointsChoice>& choices, const Choic
     return series;
 }
 
+// One of each device and share of its frame.
 std::vector<Plot> ratio_plots(const std::vector<proto::PointsChoice>& choices, const std::vector<ChoiceGroup>& groups) {
     std::vector<Plot> plots;
     for (const ChoiceGroup& group : groups) {
-        const std::string title = "Error of points over that of triangles, " + group.device;
-        if (plots.empty() || plots.back().title != title)
+        const std::string title = group.device + ", " + share_words(group.frame_share);
+        auto plot = std::ranges::find(plots, title, &Plot::title);
+        if (plot == plots.end()) {
             plots.push_back({title,
                              {"distance of the eye, radii of the model", AxisScale::logarithmic},
-                             {"error of points / of triangles, median of the models", AxisScale::logarithmic},
+                             {"error of points / of triangles", AxisScale::logarithmic},
                              {},
                              {}});
+            plot = plots.end() - 1;
+        }
         Series series = ratio_series(choices, group);
-        if (!series.points.empty()) plots.back().series.push_back(std::move(series));
+        if (!series.points.empty()) plot->series.push_back(std::move(series));
     }
     return plots;
 }
@@ -78,7 +81,9 @@ std::string words(const proto::PointsRun& run, const ChoiceGroup& all) {
            "near to far, alone in the frame or one of many, on devices that draw half a point in the time of a "
            "triangle (what is taken where nothing was measured) or more. A triangle is shaded smoothly over its area "
            "and a disc is not, so points are nearer only where a device draws many in that time, or a model is too "
-           "rough for the few triangles there are. The plan is right where what it takes errs no more than the other: "
+           "rough for the few triangles there are: above 1 in the plots, which show the median of the models, "
+           "triangles "
+           "are nearer. The plan is right where what it takes errs no more than the other: "
            "on " +
            format_number(percent_of(all.right, all.cases)) + " % of " + format_count(all.cases) +
            " cases. Points are nearer on " + format_count(all.points_nearer) + ", and on " +

@@ -132,24 +132,27 @@ double gain_of(const PointsCrowd& crowd) {
     return crowd.points_ms > 0.0 ? crowd.full_ms / crowd.points_ms : not_known;
 }
 
-Plot gain_over_instances(const proto::PointsRun& run, bool is_papers) {
-    Plot plot{is_papers ? "Gain of the frame rate, the paper’s" : "Gain of the frame rate",
+Series gain_series(const proto::PointsRun& run, const std::string& model, bool is_papers, std::size_t color) {
+    Series series{model + (is_papers ? ", the paper’s" : ""), {}, true, true, is_papers, color};
+    for (const PointsCrowd& crowd : run.crowds) {
+        if (crowd.model != model) continue;
+        const double gain = is_papers ? crowd.paper_gain.value_or(not_known) : gain_of(crowd);
+        series.points.push_back({static_cast<double>(crowd.instances), gain,
+                                 series.name + ", " + format_count(crowd.instances) +
+                                     " instances: " + format_number(gain) + " times as many frames"});
+    }
+    return series;
+}
+
+Plot gain_over_instances(const proto::PointsRun& run) {
+    Plot plot{"Gain of the frame rate, dashed the paper’s",
               {"instances", AxisScale::logarithmic},
               {"frame rate with levels / without", AxisScale::logarithmic},
               {},
               {}};
     const std::vector<std::string> models = distinct(run.crowds, &PointsCrowd::model);
-    for (std::size_t i = 0; i < models.size(); ++i) {
-        Series series{models[i], {}, true, true, is_papers, i};
-        for (const PointsCrowd& crowd : run.crowds) {
-            if (crowd.model != models[i]) continue;
-            const double gain = is_papers ? crowd.paper_gain.value_or(not_known) : gain_of(crowd);
-            series.points.push_back({static_cast<double>(crowd.instances), gain,
-                                     models[i] + ", " + format_count(crowd.instances) +
-                                         " instances: " + format_number(gain) + " times as many frames"});
-        }
-        plot.series.push_back(std::move(series));
-    }
+    for (std::size_t i = 0; i < models.size(); ++i)
+        for (const bool is_papers : {false, true}) plot.series.push_back(gain_series(run, models[i], is_papers, i));
     return plot;
 }
 
@@ -233,7 +236,7 @@ Section points_crowds_section(const proto::PointsRun& run) {
         "frame rates it tells as whole numbers. Scaled: times the vertices of the scan at hand over those of the "
         "paper’s, where they are fewer, for so much less do the full models cost here." +
         source_of(run) + "</p>";
-    section.plots = {gain_over_instances(run, false), gain_over_instances(run, true)};
+    section.plots = {gain_over_instances(run)};
     section.rows = table_of<PointsCrowd>(
         run.crowds,
         {{"model", "model", [](const auto& c) { return c.model; }},

@@ -203,7 +203,7 @@ TEST_F(PointRuns, TellTheGainBesideThePapers) {
 TEST_F(PointRuns, TellWhereThePlanTakesWhatIsNearer) {
     const Section section = points_choices_section(*read(points_of_a_bunny));
     EXPECT_EQ(section.rows.rows.size(), 3u);
-    ASSERT_EQ(section.plots.size(), 1u);  // of one device
+    ASSERT_EQ(section.plots.size(), 1u);  // of one device and share
     ASSERT_EQ(section.plots[0].series.size(), 2u);
     EXPECT_EQ(section.plots[0].series[0].points[0].y, 2.25);
     EXPECT_EQ(section.plots[0].series[1].points.size(), 2u);
