@@ -99,7 +99,7 @@ constexpr Varied varied[] = {
 // A line a filter.
 Plot setting_plot(const proto::PointsRun& run, const std::string& model, const Varied& by, const Axis& y,
                   double (*value)(const PointsSetting&)) {
-    Plot plot{model + ": " + by.title, {by.axis}, y, {}, {}};
+    Plot plot{model + ": " + y.label + " over " + by.title, {by.axis}, y, {}, {}};
     for (const std::string& filter : distinct(run.settings, &PointsSetting::filter)) {
         Series series{filter, {}, true, true, false, std::nullopt};
         for (const PointsSetting& s : run.settings)
@@ -197,8 +197,9 @@ Section points_settings_section(const proto::PointsRun& run) {
     section.text_html =
         "<p>One model from close by, as points that were taken through images of T3 pixels in T1 slices and are "
         "drawn T2 times as large as fits, with each filter that closes holes (the paper’s figures 5 to 8). A hole is "
-        "a part of what faces the eye in which no point is drawn and which does not reach the outline; F compares "
-        "the silhouettes. The table has the filters where points are drawn at two thirds of their size." +
+        "a part of what faces the eye in which no point is drawn and which does not reach the outline; where points "
+        "are far too small, holes run together and count as few. F compares the silhouettes. The table has the filters "
+        "where points are drawn at two thirds of their size." +
         source_of(run) + "</p>";
     const std::vector<std::string> models = distinct(run.settings, &PointsSetting::model);
     for (const std::string& model : models)
