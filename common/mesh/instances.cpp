@@ -49,4 +49,11 @@ Mesh flattened(const Model& model, std::span<const Mesh> shapes) {
     return all;
 }
 
+Model without_instances(Model model) {
+    model.mesh = flattened(model, model.shapes);
+    model.shapes.clear();
+    model.instances.clear();
+    return model;
+}
+
 }  // namespace lodestream::mesh

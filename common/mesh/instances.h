@@ -23,5 +23,7 @@ Box bounds(const Mesh& shape, const Instance& instance);  // of that
 // The model as one mesh. `shapes`: what is shown of each of the model's shapes; the shapes themselves, or levels of
 // them. pre: all have the attributes of Model::mesh
 Mesh flattened(const Model& model, std::span<const Mesh> shapes);
+// The same model without shapes: what its instances show is in its mesh.
+Model without_instances(Model model);
 
 }  // namespace lodestream::mesh

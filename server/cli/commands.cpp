@@ -300,7 +300,7 @@ Status sample(const SampleArguments& arguments) {
         return fail(ErrorCode::limit_exceeded, "sample \"" + arguments.sample + "\" has " + std::to_string(triangles) +
                                                    " triangles, a file at most " +
                                                    std::to_string(samples::max_sample_triangles));
-    model->mesh = mesh::flattened(*model, model->shapes);
+    *model = mesh::without_instances(*std::move(model));
     Result<Written> written = write_model(arguments.out, *model, 0.0, {});
     if (!written) return written.error();
     std::printf("%s: %llu triangles, %llu vertices, %llu bytes\n", arguments.out.c_str(),

@@ -1,7 +1,11 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 
+#include "common/base/transform.h"
+#include "common/scene/placement.h"
 #include "server/importer/formats.h"
 #include "server/importer/gltf_accessor.h"
 #include "server/importer/gltf_document.h"
@@ -42,6 +46,57 @@ Transform transform_of(const Mat4d& matrix) {
     t.mirrors = glm::dot(m[0], cofactors[0]) < 0;
     t.direction = t.mirrors ? -1.0 * cofactors : cofactors;
     return t;
+}
+
+// Whether a shape's tiles can be put there by the matrix alone. Twice as far: places are told from the model's origin,
+// which is somewhere between.
+bool can_place_a_shape(Mat4d matrix) {
+    matrix[3] = Vec4d(2.0 * Vec3d(matrix[3]), matrix[3].w);
+    return scene::validate({matrix, true}).ok();
+}
+
+// A primitive that is shown, with its material's place.
+struct Part {
+    GltfPrimitive primitive;
+    std::uint32_t material = 0;
+};
+
+std::uint64_t triangles_of(const std::vector<Part>& parts) {
+    std::uint64_t triangles = 0;
+    for (const Part& part : parts) triangles += part.primitive.triangles.size();
+    return triangles;
+}
+
+bool is_within_reach(const std::vector<Part>& parts) {
+    const auto is_near = [](const Vec3f& p) {
+        return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= scene::max_coordinate;
+    };
+    return std::ranges::all_of(parts,
+                               [&](const Part& p) { return std::ranges::all_of(p.primitive.positions, is_near); });
+}
+
+// How the nodes that show a mesh have it: most as triangles of their own, those of one shape as its instances.
+struct Uses {
+    std::vector<std::size_t> own;
+    std::array<std::vector<std::size_t>, 2> shared;  // as it is, mirrored
+
+    std::uint64_t copies() const { return own.size() + (shared[0].empty() ? 0 : 1) + (shared[1].empty() ? 0 : 1); }
+};
+
+Uses uses_of(const std::vector<Part>& parts, std::span<const GltfInstance> instances) {
+    Uses uses;
+    const std::uint64_t triangles = triangles_of(parts);
+    const bool can_share = triangles >= least_shared_triangles && is_within_reach(parts);
+    for (std::size_t i = 0; i < instances.size(); ++i) {
+        const bool fits = can_share && instances[i].skin < 0 && can_place_a_shape(instances[i].to_world);
+        (fits ? uses.shared[transform_of(instances[i].to_world).mirrors ? 1 : 0] : uses.own).push_back(i);
+    }
+    for (std::vector<std::size_t>& alike : uses.shared) {
+        if (alike.empty() || (alike.size() - 1) * triangles >= least_saved_triangles) continue;
+        uses.own.insert(uses.own.end(), alike.begin(), alike.end());
+        alike.clear();
+    }
+    return uses;
 }
 
 class Reader {
@@ -88,47 +143,76 @@ class Reader {
 
     // `first`: which object the first instance is.
     Status read_mesh(std::size_t first, std::span<const GltfInstance> instances) {
-        const tinygltf::Mesh& mesh = document_.json.meshes[static_cast<std::size_t>(instances.front().mesh)];
-        bool shown = false;
+        const int index = instances.front().mesh;
+        const tinygltf::Mesh& mesh = document_.json.meshes[static_cast<std::size_t>(index)];
+        std::vector<Part> parts;
         for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
-            const std::size_t before = soup_.triangles.size();
-            const Status added = add_primitive(mesh.primitives[i], mesh.weights, first, instances);
-            if (!added)
-                return fail(added.error().code, "mesh " + std::to_string(instances.front().mesh) + " primitive " +
-                                                    std::to_string(i) + ": " + added.error().message);
-            shown = shown || soup_.triangles.size() > before;
+            Result<std::optional<Part>> part = read_part(mesh.primitives[i], mesh.weights);
+            if (!part)
+                return fail(part.error().code, "mesh " + std::to_string(index) + " primitive " + std::to_string(i) +
+                                                   ": " + part.error().message);
+            if (*part) parts.push_back(**std::move(part));
         }
-        if (shown) objects_ += instances.size();
+        if (const Status placed = place_mesh(parts, first, instances); !placed)
+            return fail(placed.error().code, "mesh " + std::to_string(index) + ": " + placed.error().message);
+        if (triangles_of(parts) > 0) objects_ += instances.size();
         return Nothing{};
     }
 
-    Status add_primitive(const tinygltf::Primitive& from, const std::vector<double>& weights, std::size_t first,
-                         std::span<const GltfInstance> instances) {
+    // None where it is not shown.
+    Result<std::optional<Part>> read_part(const tinygltf::Primitive& from, const std::vector<double>& weights) {
         if (from.mode < TINYGLTF_MODE_POINTS || from.mode > TINYGLTF_MODE_TRIANGLE_FAN)
             return invalid_input("states the unknown mode " + std::to_string(from.mode));
         if (from.mode < TINYGLTF_MODE_TRIANGLES && !(soup_.may_be_cloud && from.mode == TINYGLTF_MODE_POINTS)) {
             if (from.attributes.count("POSITION") > 0) ++soup_.other_primitives;
-            return Nothing{};
+            return std::optional<Part>();
         }
         const Result<GltfMaterialUse> use = materials_.use(from.material);
         if (!use) return use.error();
-        const Result<GltfPrimitive> primitive =
-            read_primitive(from, weights, use->coordinates, accessors_, source_.limits);
+        Result<GltfPrimitive> primitive = read_primitive(from, weights, use->coordinates, accessors_, source_.limits);
         if (!primitive) return primitive.error();
         if (!from.targets.empty()) soup_.warn("morph targets taken in the rest pose: at their default weights");
-        const std::uint64_t copies = instances.size();
-        if (const Status fits = admit(soup_.positions.size() + copies * primitive->positions.size(),
-                                      soup_.triangles.size() + copies * primitive->triangles.size(), source_.limits);
-            !fits)
-            return fits;
-        for (std::size_t i = 0; i < instances.size(); ++i) {
-            soup_.object = static_cast<std::uint32_t>(first + i);
-            if (const Status placed = place(*primitive, instances[i], use->material); !placed) return placed;
+        return std::optional(Part{*std::move(primitive), use->material});
+    }
+
+    Status place_mesh(const std::vector<Part>& parts, std::size_t first, std::span<const GltfInstance> instances) {
+        const Uses uses = uses_of(parts, instances);
+        if (const Status fits = admit_copies(parts, uses.copies(), instances.size()); !fits) return fits;
+        const auto object_of = [&](std::size_t i) { return static_cast<std::uint32_t>(first + i); };
+        for (const Part& part : parts)
+            for (const std::size_t i : uses.own) {
+                soup_.object = object_of(i);
+                if (const Status placed = place(part, instances[i]); !placed) return placed;
+            }
+        for (const bool mirrored : {false, true}) {
+            const std::vector<std::size_t>& alike = uses.shared[mirrored ? 1 : 0];
+            if (alike.empty()) continue;
+            // So no viewer has to turn a placed tile's triangles round.
+            const Mat4d own = matrix_of(Vec3d{0}, {0, 0, 0, 1}, {mirrored ? -1.0 : 1.0, 1.0, 1.0});
+            const std::uint32_t shape = soup_.begin_shape();
+            for (const Part& part : parts)
+                if (const Status placed = place(part, {0, -1, own, 0}); !placed) return placed;
+            for (const std::size_t i : alike)
+                soup_.instances.push_back({object_of(i), shape, instances[i].to_world * own});
         }
         return Nothing{};
     }
 
-    Status place(const GltfPrimitive& primitive, const GltfInstance& instance, std::uint32_t material) {
+    // `copies`: of the parts' triangles in memory; `shown`: how often they are seen.
+    Status admit_copies(const std::vector<Part>& parts, std::uint64_t copies, std::uint64_t shown) {
+        std::uint64_t vertices = 0;
+        for (const Part& part : parts) vertices += part.primitive.positions.size();
+        shown_triangles_ += shown * triangles_of(parts);
+        if (shown_triangles_ > source_.limits.shown_triangles)
+            return fail(ErrorCode::limit_exceeded, "shows " + std::to_string(shown_triangles_) +
+                                                       " triangles with those before, more than the limit of " +
+                                                       std::to_string(source_.limits.shown_triangles));
+        return admit(soup_.positions.size() + copies * vertices, soup_.triangles.size() + copies * triangles_of(parts),
+                     source_.limits);
+    }
+
+    Status place(const Part& part, const GltfInstance& instance) {
+        const auto& [primitive, material] = part;
         const auto first = static_cast<std::uint32_t>(soup_.positions.size());
         Transform transform = transform_of(instance.to_world);
         const bool skinned = instance.skin >= 0 && !primitive.joints.empty();
@@ -214,6 +298,7 @@ class Reader {
     GltfScene scene_;
     std::map<int, std::vector<Mat4d>> skins_;
     std::uint64_t objects_ = 0;
+    std::uint64_t shown_triangles_ = 0;  // those of instances counted as often as they are seen
 };
 
 Status read_document(std::span<const std::byte> json, std::span<const std::byte> chunk, const Source& source,

@@ -20,11 +20,16 @@ struct Limits {
     std::uint64_t file_bytes = 2ull << 30;
     std::uint64_t vertices = 50'000'000;
     std::uint64_t triangles = 50'000'000;
+    std::uint64_t shown_triangles = 1'000'000'000;  // those of a shape counted with each of its instances
     std::uint64_t nodes = 1'000'000;
     std::uint32_t node_depth = 4'096;
     std::uint64_t image_bytes = 256ull << 20;
     std::uint32_t image_side = 16'384;  // texels
 };
+
+// Of a mesh that is kept once where several nodes show it, and that this saves: beside fewer, tiles of their own cost
+// more.
+inline constexpr std::uint64_t least_shared_triangles = 500, least_saved_triangles = 7'500;
 
 inline constexpr double crease_degrees = 60.0;  // edges sharper than this stay hard where a file brings no normals
 
@@ -44,8 +49,11 @@ SideFiles no_side_files();
 // compact (mesh/operations.h): non-finite, out-of-range and degenerate triangles are dropped with a warning that counts
 // them. A PLY file without faces is a cloud (mesh::Kind::points): positions, normals and colours as they are, the
 // finite ones. Other files with points but no triangles, and those with no geometry at all, are errors that say so.
-// Skins, morph targets and animations are taken in their rest pose with a warning.
-// Errors name the file or element: invalid_input, unsupported, limit_exceeded, not_found (side files).
+// A glTF mesh that several nodes or EXT_mesh_gpu_instancing show is a shape with instances, in its own coordinates,
+// where that saves enough; mirrored ones show a shape of their own, so that no matrix mirrors. Nodes
+// with a skin, or whose matrix scene::validate() refuses (flattened to nothing, beyond its bounds), have their
+// triangles in the mesh as all others do. Skins, morph targets and animations are taken in their rest pose with a
+// warning. Errors name the file or element: invalid_input, unsupported, limit_exceeded, not_found (side files).
 Result<mesh::Model> import_model(std::span<const std::byte> bytes, Format format, const SideFiles& side_files,
                                  const Limits& limits = {});
 Result<mesh::Model> import_file(const std::filesystem::path& file, const Limits& limits = {});

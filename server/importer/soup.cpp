@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/transform.h"
 #include "common/mesh/operations.h"
+#include "common/scene/placement.h"
 #include "server/importer/polygon.h"
 #include "server/importer/printable.h"
 
@@ -68,11 +70,37 @@ Vec3d origin_of(const Box& box) {
     return all_finite(origin) ? origin + Vec3d{0} : Vec3d{0};  // no -0
 }
 
+bool is_of_shape(const Soup& soup, std::size_t triangle) {
+    return soup.triangle_objects[triangle] >= Soup::first_shape;
+}
+
 Vec3d choose_origin(const Soup& soup) {
     Box box;
-    for (const mesh::Triangle& t : soup.triangles)
-        for (const std::uint32_t v : t) box.add(soup.positions[v]);
+    std::vector<Box> shapes(soup.shapes);
+    for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
+        Box& around = is_of_shape(soup, t) ? shapes[soup.triangle_objects[t] - Soup::first_shape] : box;
+        for (const std::uint32_t v : soup.triangles[t]) around.add(soup.positions[v]);
+    }
+    for (const SoupInstance& instance : soup.instances) {
+        const Box placed = scene::placed(shapes[instance.shape], instance.to_world);
+        if (placed.empty()) continue;
+        box.add(placed.min);
+        box.add(placed.max);
+    }
     return origin_of(box);
+}
+
+// From the model's origin, those of shapes from their own.
+void move_positions(const Soup& soup, mesh::Model& model) {
+    std::vector<bool> is_shape(soup.shapes > 0 ? soup.positions.size() : 0);
+    if (soup.shapes > 0)
+        for (std::size_t t = 0; t < soup.triangles.size(); ++t)
+            for (const std::uint32_t v : soup.triangles[t]) is_shape[v] = is_of_shape(soup, t);
+    model.mesh.positions.reserve(soup.positions.size());
+    for (std::size_t v = 0; v < soup.positions.size(); ++v) {
+        const Vec3d origin = !is_shape.empty() && is_shape[v] ? Vec3d{0} : model.origin;
+        model.mesh.positions.emplace_back(usable(soup.positions[v]) ? soup.positions[v] - origin : Vec3d{0});
+    }
 }
 
 template <class T>
@@ -135,6 +163,29 @@ mesh::Mesh finished(mesh::Mesh mesh) {
     mesh::Mesh all = part_of(mesh, complete);
     mesh::append(all, made_normals(part_of(mesh, lacking)));
     return mesh::compact(all);
+}
+
+// Out of the mesh; instances whose shape has no triangles are left out.
+void take_shapes(const Soup& soup, mesh::Model& model) {
+    if (soup.shapes == 0) return;
+    std::vector<std::vector<std::uint32_t>> triangles(soup.shapes);
+    std::vector<std::uint32_t> rest;
+    for (std::uint32_t t = 0; t < model.mesh.triangles.size(); ++t) {
+        const std::uint32_t object = model.mesh.triangle_objects[t];
+        (object >= Soup::first_shape ? triangles[object - Soup::first_shape] : rest).push_back(t);
+    }
+    std::vector<std::uint32_t> places(soup.shapes);
+    for (std::uint32_t shape = 0; shape < soup.shapes; ++shape) {
+        places[shape] = static_cast<std::uint32_t>(model.shapes.size());
+        if (triangles[shape].empty()) continue;
+        model.shapes.push_back(mesh::part(model.mesh, triangles[shape]));
+        model.shapes.back().triangle_objects.clear();
+    }
+    for (const SoupInstance& instance : soup.instances)
+        if (!triangles[instance.shape].empty())
+            model.instances.push_back(
+                {instance.object, places[instance.shape], translation(-model.origin) * instance.to_world});
+    model.mesh = mesh::part(model.mesh, rest);
 }
 
 // Only the materials that triangles use and the images that those use, in the order of the source.
@@ -348,8 +399,7 @@ Result<mesh::Model> finish(Soup soup, const Limits& limits) {
     mesh::Model model;
     model.kind = soup.kind;
     model.origin = choose_origin(soup);
-    model.mesh.positions.reserve(soup.positions.size());
-    for (const Vec3d& p : soup.positions) model.mesh.positions.emplace_back(usable(p) ? p - model.origin : Vec3d{0});
+    move_positions(soup, model);
     const std::uint64_t degenerate = keep_triangles(soup, [&, &p = model.mesh.positions](const mesh::Triangle& t) {
         return p[t[0]] != p[t[1]] && p[t[1]] != p[t[2]] && p[t[2]] != p[t[0]];
     });
@@ -363,9 +413,16 @@ Result<mesh::Model> finish(Soup soup, const Limits& limits) {
     model.materials = std::move(soup.materials);
     keep_used_materials(model);
     keep_used_images(model, soup.images, soup.warnings);
-    model.mesh = finished(std::move(model.mesh));
-    if (const Status fits = admit(model.mesh.positions.size(), model.mesh.triangles.size(), limits); !fits)
-        return fits.error();
+    take_shapes(soup, model);
+    std::uint64_t vertices = 0, triangles = 0;
+    const auto finish_mesh = [&](mesh::Mesh& mesh) {
+        if (!mesh.triangles.empty()) mesh = finished(std::move(mesh));
+        vertices += mesh.positions.size();
+        triangles += mesh.triangles.size();
+    };
+    finish_mesh(model.mesh);
+    std::ranges::for_each(model.shapes, finish_mesh);
+    if (const Status fits = admit(vertices, triangles, limits); !fits) return fits.error();
 
     const auto dropped = [&](std::uint64_t n, const char* why) {
         if (n > 0) soup.warnings.push_back(counted(n, "face", "faces") + " dropped: " + why);

@@ -14,6 +14,12 @@
 
 namespace lodestream::importer {
 
+// An object that shows a shape of the soup.
+struct SoupInstance {
+    std::uint32_t object = 0, shape = 0;
+    Mat4d to_world{1.0};
+};
+
 class Soup {
   public:
     std::vector<Vec3d> positions;
@@ -24,6 +30,8 @@ class Soup {
     std::vector<std::uint32_t> triangle_materials;
     std::vector<std::uint32_t> triangle_objects;
     std::uint32_t object = 0;  // of the triangles that are added from now on
+    std::uint32_t shapes = 0;  // whose triangles are those of objects from first_shape on, in coordinates of their own
+    std::vector<SoupInstance> instances;
     std::vector<mesh::Material> materials;
     std::vector<mesh::Image> images;
     std::uint64_t image_bytes = 0;
@@ -36,6 +44,13 @@ class Soup {
     std::uint64_t unreadable_faces = 0;    // of fewer than three corners or with words for numbers
     std::uint64_t out_of_range_faces = 0;  // naming vertices that are not there
     std::uint64_t other_primitives = 0;    // points and lines
+
+    static constexpr std::uint32_t first_shape = 1u << 31;
+    // What is added from now on is a shape: this one. pre: `objects` are fewer than first_shape
+    std::uint32_t begin_shape() {
+        object = first_shape + shapes;
+        return shapes++;
+    }
 
     std::uint32_t add_vertex(const Vec3d& position);
     std::uint32_t copy_vertex(std::uint32_t vertex);

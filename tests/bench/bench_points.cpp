@@ -13,6 +13,7 @@
 #include "client/report/machine.h"
 #include "client/report/text.h"
 #include "common/base/directions.h"
+#include "common/mesh/instances.h"
 #include "common/mesh/operations.h"
 #include "common/metric/surface_distance.h"
 #include "common/points/level.h"
@@ -82,7 +83,7 @@ mesh::Model load(const std::string& name) {
                                     ? samples::make_sample(name.substr(sample_prefix.size()))
                                     : importer::import_file(name);
     if (!model) throw std::runtime_error(model.error().message);
-    return *std::move(model);
+    return mesh::without_instances(*std::move(model));
 }
 
 double longest_side(const Box& box) {

@@ -1,4 +1,5 @@
 #include "tests/bench/inputs.h"
+#include "common/mesh/instances.h"
 
 #include <filesystem>
 #include <map>
@@ -42,9 +43,9 @@ Result<Input> prepared(const std::string& name, const mesh::Mesh& mesh) {
 }
 
 Result<Input> load_file(const fs::path& file) {
-    const Result<mesh::Model> model = importer::import_file(file);
+    Result<mesh::Model> model = importer::import_file(file);
     if (!model) return model.error();
-    return prepared(file.stem().string(), model->mesh);
+    return prepared(file.stem().string(), mesh::without_instances(*std::move(model)).mesh);
 }
 
 // How often the base is subdivided for each made model.

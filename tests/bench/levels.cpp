@@ -1,4 +1,5 @@
 #include "tests/bench/levels.h"
+#include "common/mesh/instances.h"
 
 #include <filesystem>
 #include <stdexcept>
@@ -25,7 +26,7 @@ mesh::Model load_model(const std::string& spec) {
     Result<mesh::Model> model =
         spec.starts_with(sample) ? samples::make_sample(spec.substr(sample.size())) : importer::import_file(spec);
     if (!model) throw std::runtime_error(model.error().message);
-    return *std::move(model);
+    return mesh::without_instances(*std::move(model));
 }
 
 simplify::History record_history(mesh::Mesh mesh) {

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "common/codec/points_codec.h"
+#include "common/mesh/instances.h"
 #include "common/mesh/operations.h"
 #include "common/metric/surface_distance.h"
 #include "common/points/level.h"
@@ -93,6 +94,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (model->kind == mesh::Kind::points)
         bake_cloud(*model, data[1]);
     else
-        bake_model(*std::move(model), data[1]);
+        bake_model(mesh::without_instances(*std::move(model)), data[1]);
     return 0;
 }

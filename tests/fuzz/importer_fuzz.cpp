@@ -12,17 +12,24 @@ void expect(bool holds) {
     if (!holds) std::abort();
 }
 
-void expect_sane(const mesh::Model& model) {
-    const std::size_t n = model.mesh.positions.size();
+void expect_sane(const mesh::Mesh& mesh, const mesh::Model& model) {
+    const std::size_t n = mesh.positions.size();
     const bool is_cloud = model.kind == mesh::Kind::points;
-    expect(n > 0 && is_cloud == model.mesh.triangles.empty());
-    expect(is_cloud || (!model.materials.empty() && model.mesh.normals.size() == n));
-    expect(all_finite(model.origin));
-    for (const Vec3f& p : model.mesh.positions) expect(all_finite(p));
-    for (const Vec3f& v : model.mesh.normals) expect(std::abs(glm::length(v) - 1.0f) < 1e-3f);
-    for (const mesh::Triangle& t : model.mesh.triangles)
+    expect(n > 0 && is_cloud == mesh.triangles.empty());
+    expect(is_cloud || (!model.materials.empty() && mesh.normals.size() == n));
+    for (const Vec3f& p : mesh.positions) expect(all_finite(p));
+    for (const Vec3f& v : mesh.normals) expect(std::abs(glm::length(v) - 1.0f) < 1e-3f);
+    for (const mesh::Triangle& t : mesh.triangles)
         for (const std::uint32_t v : t) expect(v < n);
-    for (const std::uint32_t m : model.mesh.triangle_materials) expect(m < model.materials.size());
+    for (const std::uint32_t m : mesh.triangle_materials) expect(m < model.materials.size());
+}
+
+void expect_sane(const mesh::Model& model) {
+    expect(all_finite(model.origin));
+    if (model.instances.empty() || !model.mesh.triangles.empty()) expect_sane(model.mesh, model);
+    for (const mesh::Mesh& shape : model.shapes) expect_sane(shape, model);
+    for (const mesh::Instance& instance : model.instances)
+        expect(instance.shape < model.shapes.size() && instance.object < model.graph.object_nodes.size());
 }
 
 }  // namespace

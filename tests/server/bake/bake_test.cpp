@@ -2,10 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "common/base/transform.h"
 #include "common/mesh/operations.h"
 #include "server/bake/textures.h"
+#include "server/bake/tile_tree.h"
 #include "tests/common/texture/textured.h"
 #include "tests/support/meshes.h"
+#include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace lodestream::bake {
@@ -40,6 +45,26 @@ struct BakeTest : ::testing::Test {
     testing::TemporaryFolder folder;
     store::Store store = *store::Store::open(folder.path());
 };
+
+// As an importer makes it of a file whose nodes all show one mesh.
+TEST_F(BakeTest, ASceneOfInstancesAloneIsBaked) {
+    mesh::Model model = testing::empty_scene();
+    model.kind = mesh::Kind::scene;
+    model.shapes.push_back(testing::sphere(10));
+    for (std::uint32_t i = 0; i < 8; ++i) {
+        model.instances.push_back({i, 0, translation({3.0 * i, 0, 0})});
+        model.graph.object_nodes.push_back(0);
+    }
+    model.objects = 8;
+    const std::uint64_t triangles = 8 * model.shapes[0].triangles.size();
+    const Result<proto::Asset> baked = bake(store, named("row"), model);
+    ASSERT_TRUE(baked.ok()) << baked.error().message;
+    EXPECT_EQ(baked->triangles, triangles);
+    EXPECT_EQ(baked->levels.front().triangles, triangles);
+    const Result<TileTree> tree = load_tiles(store, *baked);
+    ASSERT_TRUE(tree.ok()) << tree.error().message;
+    EXPECT_EQ(std::ranges::count(tree->hashes, tree->hashes.back()), 8);
+}
 
 TEST(BakedModel, ComesBackAsItWent) {
     const BakedModel baked = small_baked();
