@@ -70,6 +70,78 @@ TEST_F(MovingScene, AWaitingClientHearsOfAChangeAndEveryTileThatItIsToldOfIsTher
     }
 }
 
+// The whole life of a node: it comes, moves, shows another asset and is taken away, as a client that waits is told it.
+TEST_F(MovingScene, AnAddedNodeComesMovesChangesAndGoes) {
+    const std::string bake =
+        std::string(LODESTREAM_SERVER " bake sample:teapot:800 --store ") + store + " >" + store + ".txt";
+    ASSERT_EQ(std::system(bake.c_str()), 0);
+    const testing::ServerProgram server(LODESTREAM_SERVER, store);
+    sdk::Client changing = open(server.url), watching = open(server.url);
+    const proto::Tileset before = *watching.tileset("ship");
+    proto::Tileset now = before;
+    std::uint64_t revision = 0;
+    const auto change = [&](proto::NodeChange one) {
+        const auto changed = changing.change_nodes("ship", {std::move(one)});
+        ASSERT_TRUE(changed) << changed.error().message;
+        EXPECT_GT(changed->revision, revision);
+        revision = changed->revision;
+    };
+    // Waits for a tileset with the change in it in which this holds of the tile of a node, or of its having none.
+    const auto wait_for = [&](std::uint32_t node, auto holds) {
+        for (int turn = 0; turn < 200; ++turn) {
+            const auto newer = watching.newer_tileset("ship", now.revision);
+            ASSERT_TRUE(newer) << newer.error().message;
+            ASSERT_TRUE(*newer) << "nothing came";
+            now = **newer;
+            for (std::size_t i = 0; i < now.uris.size(); ++i)
+                ASSERT_TRUE(watching.fetch(now.uris[i], now.bytes[i])) << now.uris[i];
+            const auto found = std::ranges::find(now.scene_nodes, node);
+            const auto tile = static_cast<std::size_t>(found - now.scene_nodes.begin());
+            if (now.revision >= revision && holds(tile)) return;
+        }
+        FAIL() << "it never came";
+    };
+    const auto is_gone = [&](std::size_t tile) { return tile == now.nodes.size(); };
+    const auto is_at = [&](double y) {
+        return [&now, y](std::size_t tile) { return tile < now.nodes.size() && now.matrix(tile)[3].y == y; };
+    };
+    const auto uri_of = [&](std::uint32_t node) {
+        return now.uris[static_cast<std::size_t>(std::ranges::find(now.scene_nodes, node) - now.scene_nodes.begin())];
+    };
+    change({proto::next_node, translation({0, 50, 0}), std::nullopt, "teapot", 0u});
+    wait_for(61, is_at(50.0));
+    EXPECT_GT(now.nodes.front().box.max.y, 50.0);
+    const std::string teapot = uri_of(61);
+
+    change({61, translation({0, 70, 0}), std::nullopt});
+    wait_for(61, is_at(70.0));
+    EXPECT_EQ(uri_of(61), teapot) << "what it shows need not be fetched again";
+
+    change({61, std::nullopt, std::nullopt, "ship"});
+    wait_for(61, [&](std::size_t tile) { return tile < now.nodes.size() && now.uris[tile] != teapot; });
+
+    change({proto::next_node, translation({0, 1, 0}), std::nullopt, "teapot", 61u});  // the first one carries it
+    wait_for(62, is_at(71.0));
+    EXPECT_EQ(uri_of(62), teapot);
+
+    change({62, std::nullopt, std::nullopt, ""});  // nothing to show any more
+    wait_for(62, is_gone);
+    change({61, std::nullopt, std::nullopt, ""});
+    wait_for(61, is_gone);
+    for (int turn = 0; turn < 100 && now.nodes.front().error > before.nodes.front().error + 1e-9; ++turn)
+        if (const auto newer = watching.newer_tileset("ship", now.revision); newer && *newer) now = **newer;
+    EXPECT_LT(now.nodes.front().error, before.nodes.front().error + 1e-9) << "nothing of it is told any more";
+    const auto nodes = changing.nodes("ship");
+    ASSERT_TRUE(nodes);
+    EXPECT_EQ(nodes->count, 63u) << "numbers of nodes are not given twice";
+    EXPECT_EQ(nodes->nodes.at(61).asset + nodes->nodes.at(62).asset, "");
+    const auto refused = changing.change_nodes("ship", {{64, std::nullopt, std::nullopt, "teapot", 0u}});
+    ASSERT_FALSE(refused) << "the next one is 63";
+    const auto unknown = changing.change_nodes("ship", {{proto::next_node, std::nullopt, std::nullopt, "kettle", 0u}});
+    ASSERT_FALSE(unknown);
+    EXPECT_NE(unknown.error().message.find("kettle"), std::string::npos) << unknown.error().message;
+}
+
 TEST_F(MovingScene, AKilledServerHasEveryChangeThatItAnsweredAndTheSceneIsWhole) {
     std::uint64_t revision = 0;
     int answered = 0;
