@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <map>
 #include <optional>
 
 #include "client/report/machine.h"
 #include "common/base/random.h"
+#include "common/mesh/instances.h"
 #include "common/mesh/operations.h"
 #include "common/metric/surface_distance.h"
 #include "common/scene/select.h"
@@ -55,7 +57,7 @@ mesh::Model load(const std::string& scene) {
                                     : importer::import_file(scene);
     if (!model) throw std::runtime_error(model.error().message);
     if (model->objects < 2) throw std::runtime_error(scene + " is one object");
-    return *std::move(model);
+    return mesh::without_instances(*std::move(model));
 }
 
 std::vector<mesh::Mesh> objects_of(const mesh::Model& model) {
@@ -254,6 +256,23 @@ mesh::Mesh equal_ratio(const std::vector<mesh::Mesh>& objects, std::uint64_t tri
     return best;
 }
 
+// All objects of one material together to the same share, as gltfpack merges them, by meshopt_simplify and, where that
+// stops above it, by meshopt_simplifySloppy, as gltfpack -si -sa does: it keeps no topology and meets the budget.
+mesh::Mesh equal_ratio_merged(const mesh::Mesh& mesh, std::uint64_t budget) {
+    const double share = static_cast<double>(budget) / static_cast<double>(mesh.triangles.size());
+    std::map<std::uint32_t, std::vector<std::uint32_t>> of_material;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) of_material[mesh::material_of(mesh, t)].push_back(t);
+    std::vector<mesh::Mesh> parts;
+    for (const auto& [material, triangles] : of_material) {
+        mesh::Mesh merged = mesh::part(mesh, triangles);
+        merged.triangle_objects.clear();
+        const auto count = static_cast<std::uint64_t>(share * static_cast<double>(triangles.size()));
+        mesh::Mesh part = simplify_with_seams(merged, std::max<std::uint64_t>(1, count));
+        parts.push_back(part.triangles.size() > count ? simplify_sloppily(merged, count) : std::move(part));
+    }
+    return joined(parts);
+}
+
 scene::View view_of(const shading::View& from) {
     scene::View view;
     view.eye = from.eye;
@@ -298,7 +317,8 @@ void compare(const Arguments& arguments) {
             {"plan's level, flat", flat(whole.cut(budget))},
             {"one mesh", with_materials_of(model, whole.cut_whole(budget))},
             {"object-wise", with_materials_of(model, object_wise.cut(budget))},
-            {"equal ratio", with_materials_of(model, equal_ratio(objects, triangles, budget))}};
+            {"equal ratio", with_materials_of(model, equal_ratio(objects, triangles, budget))},
+            {"equal ratio, merged", with_materials_of(model, equal_ratio_merged(model.mesh, budget))}};
         std::printf("%llu: the tiles are %.1f kB\n", static_cast<unsigned long long>(budget),
                     1e-3 * static_cast<double>(bytes));
         std::optional<ImageError> ours;

@@ -38,6 +38,9 @@ Run run_openmesh(const mesh::Mesh& mesh, const std::vector<std::uint64_t>& count
 // textured model; materials follow. The result has the count that it could reach.
 mesh::Mesh simplify_with_seams(const mesh::Mesh& mesh, std::uint64_t triangles);
 
+// One meshopt_simplifySloppy call, which keeps no topology; materials follow. At most so many triangles.
+mesh::Mesh simplify_sloppily(const mesh::Mesh& mesh, std::uint64_t triangles);
+
 struct Method {
     std::string name;
     Run (*run)(const mesh::Mesh&, const std::vector<std::uint64_t>&);

@@ -1,6 +1,8 @@
 #include <meshoptimizer.h>
 
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "common/mesh/operations.h"
 #include "tests/bench/methods.h"
@@ -49,13 +51,30 @@ Run run_meshoptimizer(const mesh::Mesh& mesh, const std::vector<std::uint64_t>& 
     return run;
 }
 
-mesh::Mesh simplify_with_seams(const mesh::Mesh& mesh, std::uint64_t triangles) {
+namespace {
+
+mesh::Mesh with_triangles(const mesh::Mesh& mesh, std::vector<mesh::Triangle> triangles) {
     mesh::Mesh level = mesh;
-    level.triangles = as_triangles(simplified_indices(mesh, triangles));
+    level.triangles = std::move(triangles);
     level.triangle_materials.clear();
     const std::vector<std::uint32_t> materials = vertex_materials(mesh);
     for (const mesh::Triangle& t : level.triangles) level.triangle_materials.push_back(materials[t[0]]);
     return mesh::compact(level);
+}
+
+}  // namespace
+
+mesh::Mesh simplify_with_seams(const mesh::Mesh& mesh, std::uint64_t triangles) {
+    return with_triangles(mesh, as_triangles(simplified_indices(mesh, triangles)));
+}
+
+mesh::Mesh simplify_sloppily(const mesh::Mesh& mesh, std::uint64_t triangles) {
+    const std::size_t corners = 3 * mesh.triangles.size();
+    std::vector<unsigned> kept(corners);
+    kept.resize(meshopt_simplifySloppy(kept.data(), mesh.triangles.front().data(), corners, &mesh.positions.front().x,
+                                       mesh.positions.size(), sizeof(Vec3f), 3 * triangles,
+                                       std::numeric_limits<float>::max(), nullptr));
+    return with_triangles(mesh, as_triangles(kept));
 }
 
 }  // namespace lodestream::bench
