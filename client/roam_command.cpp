@@ -27,7 +27,7 @@ struct Scene {
 Result<Scene> fetch_scene(sdk::Client& client, const std::string& id_or_name) {
     const auto asset = client.find_asset(id_or_name);
     if (!asset) return asset.error();
-    auto tileset = client.tileset(asset->id);
+    auto tileset = client.root_document(asset->id);
     if (!tileset) return tileset.error();
     const auto unknown = std::ranges::find(tileset->bytes, 0u);
     if (unknown != tileset->bytes.end())
@@ -136,13 +136,14 @@ Status roam(const RoamArguments& arguments) {
     const auto tiles = roam::HttpTiles::open(arguments.server, bounds);
     if (!tiles) return tiles.error();
     roam::SlowLink slow(**tiles, arguments.link);
-    const auto revisions = roam::Revisions::open(arguments.server, scene->id, scene->tileset.revision);
+    const auto revisions = roam::Revisions::open(arguments.server, scene->id, scene->tileset);
     if (!revisions) return revisions.error();
     const bool is_slow = arguments.link.rtt_ms > 0.0 || arguments.link.downlink_mbps > 0.0;
     roam::Tiles& source = is_slow ? static_cast<roam::Tiles&>(slow) : **tiles;
     const shading::View home = fly::default_view({{}, bounds, scene->kind}, arguments.fov_y_deg);
     roam::RoamOptions options = options_of(arguments);
     options.newer = [&] { return (*revisions)->take(); };
+    options.open = [&](const std::vector<std::string>& documents) { (*revisions)->open_documents(documents); };
     const auto roamed = roam::roam(*renderer, scene->tileset, source, *motion, home, options);
     if (!roamed) return roamed.error();
     if (auto written = write_text(arguments.out, to_csv(roamed->frames)); !written) return written;

@@ -2,11 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <functional>
 #include <limits>
+#include <numeric>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "common/scene/placement.h"
@@ -105,18 +111,49 @@ std::string transform_json(const Tileset& tileset, std::size_t i) {
     return "\"transform\":" + numbers_json(numbers_of(to_z_up * inverse(above) * own * inverse(to_z_up))) + ",";
 }
 
-// All of a tile but its children and what closes it.
-std::string opened_tile(const Tileset& tileset, std::size_t i) {
+// Of what is told of some tiles, in order.
+std::uint64_t joined(std::uint64_t told, std::string_view more) {
+    constexpr std::uint64_t prime = 0x100000001b3;  // FNV-1a
+    for (const char c : more) told = (told ^ static_cast<unsigned char>(c)) * prime;
+    return told;
+}
+
+std::uint64_t joined(std::uint64_t told, std::uint64_t more) {
+    std::array<char, sizeof more> bytes{};
+    std::memcpy(bytes.data(), &more, sizeof more);
+    return joined(told, std::string_view(bytes.data(), bytes.size()));
+}
+
+// Another one where anything of the tile itself is.
+std::uint64_t told_of(const Tileset& tileset, std::size_t i) {
+    const scene::LodNode& tile = tileset.nodes[i];
+    std::uint64_t told = joined(tile.triangles, tileset.uris[i]);
+    const auto add = [&](double value) { told = joined(told, std::bit_cast<std::uint64_t>(value)); };
+    add(tile.error);
+    for (int axis = 0; axis < 3; ++axis) {
+        add(tile.box.min[axis]);
+        add(tile.box.max[axis]);
+    }
+    for (const double value : numbers_of(tileset.matrix(i))) add(value);
+    return joined(told, tileset.ids[i]);
+}
+
+// All of a tile of `document` but its children and what closes it.
+std::string opened_tile(const Tileset& tileset, std::size_t i, std::size_t document) {
     const scene::LodNode& tile = tileset.nodes[i];
     const Mat4d matrix = tileset.matrix(i);
     const std::uint32_t node = tileset.scene_nodes.empty() ? no_scene_node : tileset.scene_nodes[i];
-    return "{" + transform_json(tileset, i) + "\"boundingVolume\":" + box_json(tile.box, matrix) +
+    const bool begins_another = i != document && begins_document(tileset, i);
+    const bool is_placed_above = i == document && i != 0;  // by the tile that names this document
+    return "{" + (is_placed_above ? "" : transform_json(tileset, i)) +
+           "\"boundingVolume\":" + box_json(tile.box, matrix) +
            ",\"geometricError\":" + number(tile.error / error_scale(matrix)) +
-           ",\"content\":{\"uri\":" + quoted(tileset.uris[i]) +
+           ",\"content\":{\"uri\":" + quoted(begins_another ? tileset.documents[i] : tileset.uris[i]) +
            "},\"extras\":{\"triangles\":" + std::to_string(tile.triangles) +
            ",\"bytes\":" + std::to_string(tileset.bytes[i]) +
            (node == no_scene_node ? "" : ",\"node\":" + std::to_string(node)) +
-           (tileset.ids.empty() ? "" : ",\"id\":" + std::to_string(tileset.ids[i])) + "}";
+           (tileset.ids.empty() ? "" : ",\"id\":" + std::to_string(tileset.ids[i])) +
+           (begins_another ? ",\"content\":" + quoted(tileset.uris[i]) : "") + "}";
 }
 
 double root_error(const scene::LodNode& root) {
@@ -163,13 +200,18 @@ Result<Box> read_box(const Json& volume, const Mat4d& matrix) {
     return box;
 }
 
-// Into the node at `i`, which is there, and its content behind those before.
-Status read_tile(const Json& tile, Tileset& tileset, std::size_t i) {
+// Whether content at this address is another document, as far as its name tells.
+bool is_document(std::string_view uri) {
+    return uri.substr(0, uri.find_first_of("?#")).ends_with(".json");
+}
+
+// Into the node at `i`, which is there, and its content behind those before. `place`: of the root.
+Status read_tile(const Json& tile, Tileset& tileset, std::size_t i, const Mat4d& place) {
     if (!tile.is_object()) return invalid_input("is no object");
     std::optional<Error> error;
     const Fields fields(tile, "", error);
     scene::LodNode& node = tileset.nodes[i];
-    std::string refine = i == 0 || !tileset.is_additive ? "REPLACE" : "ADD", uri;
+    std::string refine = i == 0 || !tileset.is_additive ? "REPLACE" : "ADD", uri, content_of_document;
     std::uint64_t bytes = 0;
     std::uint32_t scene_node = no_scene_node;
     std::optional<std::uint64_t> id;
@@ -181,18 +223,21 @@ Status read_tile(const Json& tile, Tileset& tileset, std::size_t i) {
         extras->read("bytes", bytes);
         extras->read("node", scene_node);
         extras->read("id", id);
+        extras->read("content", content_of_document);
     }
     if (error) return *error;
     if (refine != "REPLACE" && refine != "ADD") return invalid_input("its refinement is neither REPLACE nor ADD");
     if (i == 0) tileset.is_additive = refine == "ADD";
     if (tileset.is_additive != (refine == "ADD"))
         return fail(ErrorCode::unsupported, "its refinement is another than the root's");
+    std::string document;
+    if (is_document(uri)) document = std::exchange(uri, std::move(content_of_document));
     if (uri.empty()) return fail(ErrorCode::unsupported, "it has no content");
     const auto volume = tile.find("boundingVolume");
     if (volume == tile.end()) return invalid_input("it has no bounding volume");
     const Result<Mat4d> transform = read_transform(tile);
     if (!transform) return transform.error();
-    const Mat4d matrix = i == 0 ? *transform : tileset.matrices[node.parent] * *transform;
+    const Mat4d matrix = i == 0 ? place * *transform : tileset.matrices[node.parent] * *transform;
     if (const Status valid = scene::validate({matrix, true}); !valid)
         return invalid_input("its transform " + valid.error().message);
     const Result<Box> box = read_box(*volume, matrix);
@@ -203,6 +248,7 @@ Status read_tile(const Json& tile, Tileset& tileset, std::size_t i) {
     tileset.scene_nodes.push_back(scene_node);
     if (id) tileset.ids.push_back(*id);
     tileset.uris.push_back(std::move(uri));
+    tileset.documents.push_back(std::move(document));
     tileset.bytes.push_back(bytes);
     return Nothing{};
 }
@@ -229,33 +275,62 @@ std::uint64_t read_revision(const Json& tileset) {
 
 }  // namespace
 
-std::string to_json(const Tileset& tileset) {
+std::string to_json(const Tileset& tileset, std::uint32_t document) {
     const scene::LodTree& tree = tileset.nodes;
     const std::string version =
         tileset.revision == 0 ? "" : ",\"tilesetVersion\":\"" + std::to_string(tileset.revision) + '"';
-    std::string json =
-        "{\"asset\":{\"version\":\"1.1\"" + version + "},\"geometricError\":" + number(root_error(tree.front())) +
-        ",\"root\":" + opened_tile(tileset, 0) + ",\"refine\":\"" + (tileset.is_additive ? "ADD" : "REPLACE") + '"';
+    std::string json = "{\"asset\":{\"version\":\"1.1\"" + version +
+                       "},\"geometricError\":" + number(root_error(tree[document])) +
+                       ",\"root\":" + opened_tile(tileset, document, document) + ",\"refine\":\"" +
+                       (tileset.is_additive ? "ADD" : "REPLACE") + '"';
     struct Open {
         std::uint32_t tile, next_child;
     };
-    std::vector<Open> open{{0, 0}};
+    const auto children = [&](std::uint32_t tile) {
+        return tile != document && begins_document(tileset, tile) ? 0 : tree[tile].child_count;
+    };
+    std::vector<Open> open{{document, 0}};
     while (!open.empty()) {
-        const scene::LodNode& tile = tree[open.back().tile];
-        const std::uint32_t child = open.back().next_child++;
-        if (child < tile.child_count) {
+        const std::uint32_t tile = open.back().tile, child = open.back().next_child++;
+        if (child < children(tile)) {
             json += child == 0 ? ",\"children\":[" : ",";
-            json += opened_tile(tileset, tile.first_child + child);
-            open.push_back({tile.first_child + child, 0});
+            json += opened_tile(tileset, tree[tile].first_child + child, document);
+            open.push_back({tree[tile].first_child + child, 0});
             continue;
         }
-        json += tile.child_count > 0 ? "]}" : "}";
+        json += children(tile) > 0 ? "]}" : "}";
         open.pop_back();
     }
     return json + "}";
 }
 
+void split_into_documents(Tileset& tileset,
+                          const std::function<std::string(std::uint64_t id, std::uint64_t version)>& address) {
+    const scene::LodTree& tree = tileset.nodes;
+    if (tree.size() <= max_document_tiles) return;
+    if (tileset.ids.empty()) {
+        tileset.ids.resize(tree.size());
+        std::iota(tileset.ids.begin(), tileset.ids.end(), 0);
+    }
+    std::vector<std::size_t> sizes(tree.size(), 1);  // of a tile and all below it
+    std::vector<std::uint64_t> versions(tree.size());
+    for (std::size_t i = tree.size(); i-- > 0;) {
+        versions[i] = joined(versions[i], told_of(tileset, i));
+        if (i == 0) break;
+        sizes[tree[i].parent] += sizes[i];
+        versions[tree[i].parent] = joined(versions[tree[i].parent], versions[i]);
+    }
+    tileset.documents.assign(tree.size(), "");
+    for (std::size_t i = 1; i < tree.size(); ++i)
+        if (tree[i].child_count > 0 && sizes[i] <= max_document_tiles && sizes[tree[i].parent] > max_document_tiles)
+            tileset.documents[i] = address(tileset.ids[i], versions[i]);
+}
+
 Result<Tileset> parse_tileset(std::string_view text) {
+    return parse_document(text, Mat4d(1.0));
+}
+
+Result<Tileset> parse_document(std::string_view text, const Mat4d& place) {
     const Result<Json> json = parse_json(text, max_tileset_depth);
     if (!json) return json.error();
     if (!json->is_object() || !json->contains("root")) return invalid_input("a tileset has no root");
@@ -263,7 +338,7 @@ Result<Tileset> parse_tileset(std::string_view text) {
     std::vector<const Json*> tiles{&(*json)["root"]};
     tileset.nodes.emplace_back();
     for (std::size_t i = 0; i < tiles.size(); ++i) {
-        if (Status read = read_tile(*tiles[i], tileset, i); !read)
+        if (Status read = read_tile(*tiles[i], tileset, i, place); !read)
             return fail(read.error().code, "tile " + std::to_string(i) + ": " + read.error().message);
         const auto children = tiles[i]->find("children");
         if (children == tiles[i]->end()) continue;
@@ -278,11 +353,50 @@ Result<Tileset> parse_tileset(std::string_view text) {
     }
     const auto stays = [](const Mat4d& matrix) { return matrix == Mat4d(1.0); };
     if (std::all_of(tileset.matrices.begin(), tileset.matrices.end(), stays)) tileset.matrices.clear();
+    const auto is_empty = [](const std::string& document) { return document.empty(); };
+    if (std::all_of(tileset.documents.begin(), tileset.documents.end(), is_empty)) tileset.documents.clear();
     if (!are_ids(tileset.ids, tileset.nodes.size())) tileset.ids.clear();
     tileset.revision = read_revision(*json);
     scene::keep_the_laws(tileset.nodes);
     if (Status valid = scene::validate(tileset.nodes); !valid) return valid.error();
     return tileset;
+}
+
+Status add_document(Tileset& tileset, std::uint32_t node, const Tileset& document) {
+    const std::size_t first = tileset.nodes.size(), more = document.nodes.size() - 1;
+    if (more > max_tiles - first)
+        return fail(ErrorCode::limit_exceeded, "a tileset of more than " + std::to_string(max_tiles) + " tiles");
+    // Where a tile of the document is, below `node`.
+    const auto place = [&](std::uint32_t tile) {
+        return tile == 0 ? node : static_cast<std::uint32_t>(first + tile - 1);
+    };
+    for (std::uint32_t tile = 0; tile <= more; ++tile) {
+        scene::LodNode told = document.nodes[tile];
+        told.parent = tile == 0 ? tileset.nodes[node].parent : place(told.parent);
+        if (told.child_count > 0) told.first_child = place(told.first_child);
+        if (tile == 0)
+            tileset.nodes[node] = told;
+        else
+            tileset.nodes.push_back(told);
+    }
+    const auto add = [&](auto& to, const auto& from, const auto& usual) {
+        if (to.empty() && from.empty()) return;
+        if (to.empty()) to.assign(first, usual);
+        to.resize(first + more, usual);
+        if (from.empty()) return;
+        to[node] = from[0];
+        std::copy(from.begin() + 1, from.end(), to.begin() + static_cast<std::ptrdiff_t>(first));
+    };
+    add(tileset.uris, document.uris, std::string());
+    add(tileset.bytes, document.bytes, std::uint64_t{0});
+    add(tileset.matrices, document.matrices, Mat4d(1.0));
+    add(tileset.scene_nodes, document.scene_nodes, no_scene_node);
+    add(tileset.documents, document.documents, std::string());
+    if (document.documents.empty() && !tileset.documents.empty()) tileset.documents[node].clear();
+    add(tileset.ids, document.ids, std::uint64_t{0});
+    if (!are_ids(tileset.ids, tileset.nodes.size())) tileset.ids.clear();
+    scene::keep_the_laws(tileset.nodes);
+    return Nothing{};
 }
 
 }  // namespace lodestream::proto

@@ -1,4 +1,5 @@
-// The tilesets of a scene that changes while it is roamed: a thread of its own waits for each newer one.
+// A scene's tileset while it is roamed: threads of their own wait for each newer revision and fetch the documents that
+// the view asks for.
 #pragma once
 
 #include <chrono>
@@ -7,8 +8,10 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "client/sdk/client.h"
 #include "proto/tileset.h"
@@ -21,28 +24,38 @@ inline constexpr std::chrono::milliseconds retry_interval{1'000};  // where the 
 
 class Revisions {
   public:
-    // Of the asset, later than `revision`. Errors: those of Client::open().
+    // Of the asset, from this tileset on. Errors: those of Client::open().
     static Result<std::unique_ptr<Revisions>> open(const std::string& server, const std::string& asset_id,
-                                                   std::uint64_t revision);
+                                                   proto::Tileset tileset);
     ~Revisions();  // waits for no server
     Revisions(const Revisions&) = delete;
     Revisions& operator=(const Revisions&) = delete;
 
-    // The newest that has come since the last call, if one has. Never waits.
+    // The newest that there is since the last call, if there is one: with the documents that were opened, as far as
+    // they are here. Never waits.
     std::optional<proto::Tileset> take();
 
-  private:
-    Revisions(sdk::Client client, std::string asset_id, std::uint64_t revision);
-    void work();
+    // Opens these documents, the first one first, and no others that are not opened yet. Never waits.
+    void open_documents(const std::vector<std::string>& addresses);
 
-    sdk::Client client_;
+  private:
+    Revisions(sdk::Client revisions, sdk::Client documents, std::string asset_id, proto::Tileset tileset);
+    void follow();
+    void read_documents();
+    // With what was opened of the tileset before.
+    Result<proto::Tileset> reopened(proto::Tileset newer, const std::set<std::uint64_t>& opened);
+
+    sdk::Client revisions_client_, documents_client_;  // each of one thread
     const std::string asset_id_;
-    std::uint64_t revision_;
     std::mutex mutex_;
-    std::condition_variable stopped_;
-    std::optional<proto::Tileset> newest_;
+    std::condition_variable changed_;
+    proto::Tileset tileset_;
+    bool is_newer_ = false;               // than what take() has given
+    std::set<std::uint64_t> opened_;      // ids of tiles whose documents are in the tileset
+    std::vector<std::string> addresses_;  // of documents to be opened
+    std::set<std::string> broken_;        // those that will not come
     bool stopping_ = false;
-    std::thread worker_;
+    std::thread follower_, reader_;
 };
 
 }  // namespace lodestream::roam

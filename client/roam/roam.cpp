@@ -86,6 +86,7 @@ class Roamer {
         if (Status received = receive(t_s); !received) return received;
         const scene::StreamStep now = step(view);
         want(now.requests, t_s);
+        if (options_.open) options_.open(documents_for(view, now));
         const auto shown = scene::fade(tree(), fading_, now.drawn, view, fade_step_);
         RoamFrame frame;
         frame.t_s = t_s;
@@ -178,6 +179,23 @@ class Roamer {
         std::erase_if(early_, [&](const auto& entry) { return std::ranges::count(requests, entry.first) == 0; });
         std::erase_if(requests, [&](std::uint32_t node) { return early_.contains(node); });
         tiles_.want(requests, t_s);
+    }
+
+    // Of what is drawn or under way and too coarse for the view.
+    std::vector<std::string> documents_for(const scene::View& view, const scene::StreamStep& now) const {
+        const scene::Projection projection(view);
+        std::vector<std::pair<double, std::uint32_t>> coarse;
+        const auto add = [&](std::uint32_t node) {
+            if (!proto::begins_document(tileset_, node)) return;
+            const double error_px = projection.error_px(tree()[node].box, tree()[node].error);
+            if (error_px > options_.stream.tolerance_px) coarse.emplace_back(-error_px, node);
+        };
+        std::ranges::for_each(now.drawn, add);
+        std::ranges::for_each(now.requests, add);
+        std::ranges::sort(coarse);
+        std::vector<std::string> documents;
+        for (const auto& [error_px, node] : coarse) documents.push_back(tileset_.documents[node]);
+        return documents;
     }
 
     Status receive(double t_s) {

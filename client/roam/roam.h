@@ -41,6 +41,9 @@ struct RoamOptions {
     // Called before each frame: a newer tileset of the scene, if there is one. Tiles that are in both stay; what a tile
     // shows stays until what it is to show has come. Empty: the scene stays as it is.
     std::function<std::optional<proto::Tileset>()> newer{};
+    // Called in each frame with the addresses of the documents whose tiles the view would refine to, the largest error
+    // first; what they tell comes with a newer tileset. Empty: what is told elsewhere is not shown.
+    std::function<void(const std::vector<std::string>&)> open{};
     // Called with each frame. A failure ends the motion. Empty: none.
     std::function<Status(const render::Image&)> on_frame{};
 };
@@ -65,7 +68,7 @@ struct RoamFrame {
 struct Roamed {
     std::vector<RoamFrame> frames;
     std::uint64_t fetched_tiles = 0;
-    std::uint64_t revisions = 0;        // newer tilesets that came meanwhile
+    std::uint64_t revisions = 0;        // newer tilesets that came meanwhile, be it by a document
     std::vector<std::string> failures;  // of each tile that could not be had: why
     std::vector<std::string> warnings;  // of tiles that are drawn otherwise than they say
 };

@@ -199,7 +199,12 @@ struct Client::Impl {
 
     template <class T>
     static Result<T> parsed(const HttpRequest& request, const std::string& body, Result<T> (*parse)(std::string_view)) {
-        auto parsed = parse(body);
+        return read(request, parse(body));
+    }
+
+    // What was read of the answer.
+    template <class T>
+    static Result<T> read(const HttpRequest& request, Result<T> parsed) {
         if (parsed) return parsed;
         return fail(ErrorCode::io, request.method + " " + request.target +
                                        ": the server's answer is wrong: " + one_line(parsed.error().message));
@@ -242,6 +247,32 @@ Result<proto::Asset> Client::find_asset(const std::string& id_or_name) {
 }
 
 Result<proto::Tileset> Client::tileset(const std::string& asset_id) {
+    auto tileset = root_document(asset_id);
+    if (!tileset) return tileset;
+    if (Status added = add_documents(*tileset); !added) return added.error();
+    return tileset;
+}
+
+Status Client::add_documents(proto::Tileset& tileset) {
+    for (std::uint32_t node = 0; node < tileset.nodes.size(); ++node) {
+        if (!proto::begins_document(tileset, node)) continue;
+        const auto more = document(tileset.documents[node], tileset.matrix(node));
+        if (!more) return more.error();
+        if (Status added = proto::add_document(tileset, node, *more); !added) return added;
+    }
+    return Nothing{};
+}
+
+Result<proto::Tileset> Client::document(const std::string& url, const Mat4d& place) {
+    if (!is_server_path(url)) return invalid_input("a document's address is not a path of the server");
+    HttpRequest request;
+    request.target = url;
+    const auto body = impl_->send(request, max_tileset_bytes);
+    if (!body) return body.error();
+    return Impl::read(request, proto::parse_document(*body, place));
+}
+
+Result<proto::Tileset> Client::root_document(const std::string& asset_id) {
     HttpRequest request;
     request.target = "/v1/assets/" + percent_encode(asset_id) + "/tileset.json";
     return impl_->send_for(request, proto::parse_tileset, max_tileset_bytes);

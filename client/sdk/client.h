@@ -77,10 +77,17 @@ class Client {
     // The bytes behind a plan's content URL, exactly `expected_bytes` of them. Redirects are refused.
     Result<std::vector<std::byte>> fetch(const std::string& url, std::uint64_t expected_bytes);
 
-    // The asset's levels as a tree; its tiles are fetched by their uri and bytes.
+    // The asset's levels as a tree, all of it; its tiles are fetched by their uri and bytes.
     Result<proto::Tileset> tileset(const std::string& asset_id);
 
-    // The same as soon as it is of a later revision than `after`; none where the server had none to tell for a while.
+    // The first of its documents alone, and one of those that it names, read below a tile of this matrix.
+    Result<proto::Tileset> root_document(const std::string& asset_id);
+    Result<proto::Tileset> document(const std::string& url, const Mat4d& place);
+    // Adds all that are named and not there yet.
+    Status add_documents(proto::Tileset& tileset);
+
+    // The first document as soon as it is of a later revision than `after`; none where the server had none to tell for
+    // a while.
     Result<std::optional<proto::Tileset>> newer_tileset(const std::string& asset_id, std::uint64_t after);
 
     // The nodes of a scene from `first` on, as many as the server tells at once.

@@ -16,6 +16,13 @@ bool holds(const Box& outer, const Box& inner) {
            (glm::all(glm::lessThanEqual(outer.min, inner.min)) && glm::all(glm::lessThanEqual(inner.max, outer.max)));
 }
 
+// Whether it lies among the children of the parent that it names.
+bool is_child(std::span<const LodNode> tree, std::size_t node) {
+    const std::uint32_t parent = tree[node].parent;
+    return parent < tree.size() && node >= tree[parent].first_child &&
+           node - tree[parent].first_child < tree[parent].child_count;
+}
+
 }  // namespace
 
 std::size_t depth(std::span<const LodNode> tree) {
@@ -49,7 +56,7 @@ Status validate(std::span<const LodNode> tree) {
     if (tree.empty()) return invalid_input("a tree of levels has no node");
     if (tree.front().parent != none) return wrong(0, "is the root and has a parent");
     std::uint64_t triangles = 0;
-    std::size_t next = 1;  // children follow each other in the order of their parents
+    std::size_t children = 0;
     for (std::size_t i = 0; i < tree.size(); ++i) {
         const LodNode& node = tree[i];
         if (!node.box.empty() && !(all_finite(node.box.min) && all_finite(node.box.max)))
@@ -58,15 +65,19 @@ Status validate(std::span<const LodNode> tree) {
         if (node.triangles > max_tree_triangles - triangles) return wrong(i, "has more triangles than can be counted");
         triangles += node.triangles;
         if (node.child_count == 0) continue;
-        if (node.first_child != next || node.first_child <= i || node.child_count > tree.size() - next)
+        if (node.first_child <= i || node.first_child >= tree.size() ||
+            node.child_count > tree.size() - node.first_child)
             return wrong(i, "has children out of place");
-        for (const std::size_t end = next + node.child_count; next < end; ++next) {
-            if (tree[next].parent != i) return wrong(next, "does not name its parent");
-            if (tree[next].error > node.error) return wrong(next, "has a larger error than its parent");
-            if (!holds(node.box, tree[next].box)) return wrong(next, "lies outside of its parent's box");
+        for (std::size_t child = node.first_child; child < std::size_t{node.first_child} + node.child_count; ++child) {
+            if (tree[child].parent != i) return wrong(child, "does not name its parent");
+            if (tree[child].error > node.error) return wrong(child, "has a larger error than its parent");
+            if (!holds(node.box, tree[child].box)) return wrong(child, "lies outside of its parent's box");
         }
+        children += node.child_count;
     }
-    if (next != tree.size()) return wrong(next, "is no one's child");
+    // Each node names one parent, so no two have a child in common.
+    for (std::size_t i = 1; children + 1 < tree.size() && i < tree.size(); ++i)
+        if (!is_child(tree, i)) return wrong(i, "is no one's child");
     return Nothing{};
 }
 

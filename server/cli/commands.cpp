@@ -282,9 +282,15 @@ Status tileset(const TilesetArguments& arguments) {
         if (Status written = put(tiles->hashes[i], *content); !written) return written;
         bytes += content->size();
     }
-    const std::string json =
-        proto::to_json({tiles->nodes, tiles->hashes, tiles->bytes, tiles->is_additive, tiles->matrices});
-    if (Status written = put("tileset.json", std::as_bytes(std::span(json))); !written) return written;
+    proto::Tileset tileset{tiles->nodes, tiles->hashes, tiles->bytes, tiles->is_additive, tiles->matrices};
+    proto::split_into_documents(
+        tileset, [](std::uint64_t id, std::uint64_t) { return "tileset-" + std::to_string(id) + ".json"; });
+    for (std::uint32_t tile = 0; tile < tileset.nodes.size(); ++tile) {
+        if (tile > 0 && !proto::begins_document(tileset, tile)) continue;
+        const std::string json = proto::to_json(tileset, tile),
+                          name = tile > 0 ? tileset.documents[tile] : "tileset.json";
+        if (Status written = put(name, std::as_bytes(std::span(json))); !written) return written;
+    }
     if (archive)
         if (Status finished = archive->finish(); !finished) return finished;
     std::printf("%s: %zu tiles, %llu bytes\n", (archive ? arguments.out : arguments.out / "tileset.json").c_str(),

@@ -6,6 +6,8 @@
 #include <cctype>
 #include <charconv>
 #include <chrono>
+#include <memory>
+#include <mutex>
 #include <set>
 
 #include "proto/openapi.h"
@@ -23,6 +25,7 @@ namespace {
 
 constexpr const char* retry_after_s = "1";
 constexpr const char* after_name = "after";  // of the query for a newer tileset
+constexpr const char* tile_name = "tile";    // of the query for one of its documents
 constexpr const char* json_type = "application/json";
 constexpr const char* text_type = "text/plain; charset=utf-8";
 constexpr const char* metrics_type = "text/plain; version=0.0.4; charset=utf-8";
@@ -159,7 +162,16 @@ struct Service::Impl {
     Response create_plan(Request& request, const std::string&);
     Response content(Request& request, const std::string& hash);
 
-    Result<proto::Tileset> tileset_now(const proto::Asset& asset);
+    // A tileset of several documents, of which one after the other is asked for.
+    struct Told {
+        std::string asset_id, version;
+        std::shared_ptr<const proto::Tileset> tileset;
+    };
+    std::mutex told_mutex;
+    Told told;  // the last one
+
+    Result<std::shared_ptr<const proto::Tileset>> tileset_now(const proto::Asset& asset);
+    Result<proto::Tileset> make_tileset(const proto::Asset& asset, const live::LiveScene* scene);
     std::size_t moved_objects_of(const std::string& id_or_name);
 
     void add_progress(proto::Asset& asset) const {
@@ -391,28 +403,63 @@ Response Service::Impl::delete_asset(Request&, const std::string& id) {
     return response;
 }
 
-// The tileset as it is now; of a scene whose nodes were changed, with a revision.
-Result<proto::Tileset> Service::Impl::tileset_now(const proto::Asset& asset) {
+// The tileset as it is now, in documents; of a scene whose nodes were changed, with a revision.
+Result<proto::Tileset> Service::Impl::make_tileset(const proto::Asset& asset, const live::LiveScene* scene) {
+    proto::Tileset tileset;
+    if (scene) {
+        tileset = scene->tileset();
+    } else {
+        auto tiles = bake::load_tiles(store, asset);
+        if (!tiles) return tiles.error();
+        for (std::string& hash : tiles->hashes) hash = bake::content_url(hash);
+        tileset = {std::move(tiles->nodes), std::move(tiles->hashes), std::move(tiles->bytes), tiles->is_additive,
+                   std::move(tiles->matrices)};
+    }
+    proto::split_into_documents(tileset, [&](std::uint64_t id, std::uint64_t version) {
+        return "/v1/assets/" + asset.id + "/tileset.json?" + tile_name + "=" + std::to_string(id) +
+               "&version=" + std::to_string(version);
+    });
+    return tileset;
+}
+
+Result<std::shared_ptr<const proto::Tileset>> Service::Impl::tileset_now(const proto::Asset& asset) {
     const auto scene = scenes.find_changed(asset);
     if (!scene) return scene.error();
-    if (*scene) return (*scene)->tileset();
-    auto tiles = bake::load_tiles(store, asset);
-    if (!tiles) return tiles.error();
-    for (std::string& hash : tiles->hashes) hash = bake::content_url(hash);
-    return proto::Tileset{std::move(tiles->nodes), std::move(tiles->hashes), std::move(tiles->bytes),
-                          tiles->is_additive, std::move(tiles->matrices)};
+    const auto tiles = store.content(asset.id, std::string(bake::tiles_key));
+    const std::string version = (tiles ? tiles->file.hash : "") + (*scene ? std::to_string((*scene)->revision()) : "");
+    {
+        const std::lock_guard lock(told_mutex);
+        if (told.asset_id == asset.id && told.version == version) return told.tileset;
+    }
+    auto made = make_tileset(asset, scene->get());
+    if (!made) return made.error();
+    auto tileset = std::make_shared<const proto::Tileset>(*std::move(made));
+    if (tileset->documents.empty() || (*scene && tileset->revision != (*scene)->revision())) return tileset;
+    const std::lock_guard lock(told_mutex);
+    told = {asset.id, version, tileset};
+    return tileset;
 }
 
 Response Service::Impl::tileset(Request& request, const std::string& id) {
-    std::uint64_t after = 0;
-    const bool is_poll = request.query.contains(after_name);
+    std::uint64_t after = 0, tile = 0;
+    const bool is_poll = request.query.contains(after_name), is_part = request.query.contains(tile_name);
     if (is_poll && !read_number(request.query.at(after_name), after))
         return bad_request("after must be a revision, a whole number");
+    if (is_part && !read_number(request.query.at(tile_name), tile)) return bad_request("tile must be a tile's id");
+    if (is_poll && is_part) return bad_request("after is of the whole tileset, not of one of its tiles");
     const auto asset = store.asset(id);
     if (!asset) return respond(asset.error());
-    auto now = tileset_now(*asset);
+    const auto now = tileset_now(*asset);
     if (!now) return respond(now.error());
-    if (!is_poll || now->revision > after) return respond(json_type, proto::to_json(*now));
+    const proto::Tileset& tileset = **now;
+    if (is_part) {
+        const auto found = std::find(tileset.ids.begin(), tileset.ids.end(), tile);
+        if (found == tileset.ids.end())
+            return respond(fail(ErrorCode::not_found, "the tileset has no tile " + std::to_string(tile)));
+        const auto document = static_cast<std::uint32_t>(found - tileset.ids.begin());
+        return respond(json_type, proto::to_json(tileset, document));
+    }
+    if (!is_poll || tileset.revision > after) return respond(json_type, proto::to_json(tileset));
     Response response;
     response.status = 304;
     response.headers["cache-control"] = "no-cache";
@@ -559,7 +606,8 @@ bool Service::is_heavy(const Request& head) {
 std::optional<Service::Poll> Service::poll_of(const Request& request) const {
     const auto after = request.query.find(after_name);
     Poll poll;
-    if (after == request.query.end() || !read_number(after->second, poll.after)) return std::nullopt;
+    if (after == request.query.end() || request.query.contains(tile_name) || !read_number(after->second, poll.after))
+        return std::nullopt;
     const Impl::Match found = Impl::match(request);
     if (!found.route || found.route->answer != &Impl::tileset) return std::nullopt;
     const auto asset = impl_->store.asset(found.captured);

@@ -110,6 +110,7 @@ void watch(Run& run, const std::string& url, const std::string& asset) {
         if (!newer) return run.fail(newer.error().message);
         if (!*newer) continue;
         revision = (*newer)->revision;
+        if (Status added = client->add_documents(**newer); !added) return run.fail(added.error().message);
         note(run, **newer);
     }
 }

@@ -37,7 +37,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check(text, [](std::string_view t) { return proto::parse_problem(t); });
     (void)proto::parse_device_file(text);
     (void)proto::parse_assets(text);
-    (void)proto::parse_tileset(text);
+    if (auto tileset = proto::parse_tileset(text))
+        if (const auto document = proto::parse_document(text, tileset->matrix(0)))
+            (void)proto::add_document(*tileset, static_cast<std::uint32_t>(tileset->nodes.size() - 1), *document);
     (void)proto::accepts_gzip(text);
     (void)proto::gunzip(text, 1 << 20);
     return 0;

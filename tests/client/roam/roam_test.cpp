@@ -131,6 +131,69 @@ TEST_F(RoamTest, WhatTheNetworkFailsToBringIsAskedForAgainSomeTimes) {
     EXPECT_THAT(roamed.failures, ElementsAre(HasSubstr("timed out")));
 }
 
+// What a server tells of a tileset in documents, and a client that has read some of them.
+class Documents {
+  public:
+    explicit Documents(proto::Tileset whole) : whole_(std::move(whole)) {
+        proto::split_into_documents(whole_,
+                                    [](std::uint64_t id, std::uint64_t) { return std::to_string(id) + ".json"; });
+        now = *proto::parse_tileset(proto::to_json(whole_));
+    }
+    void open(const std::string& document) {
+        const auto node =
+            static_cast<std::uint32_t>(std::ranges::find(now.documents, document) - now.documents.begin());
+        ASSERT_LT(node, now.nodes.size()) << document;
+        const std::string json = proto::to_json(whole_, static_cast<std::uint32_t>(std::stoul(document)));
+        ASSERT_TRUE(proto::add_document(now, node, *proto::parse_document(json, now.matrix(node))).ok());
+        ++opened;
+    }
+
+    proto::Tileset now;
+    int opened = 0;
+
+  private:
+    proto::Tileset whole_;
+};
+
+TEST_F(RoamTest, DocumentsAreOpenedWhereTheViewRefinesAndNothingIsAHoleMeanwhile) {
+    Documents documents(plates(7));
+    tileset = documents.now;
+    const std::size_t named =
+        tileset.documents.size() - static_cast<std::size_t>(std::ranges::count(tileset.documents, ""));
+    ASSERT_EQ(named, 16u);  // of 341 tiles each
+    FakeTiles tiles(tileset);
+    tiles.delay = 0.5;
+    options.stream.max_bytes = 16u << 20;
+    options.stream.max_requests = 64;
+    std::vector<std::string> asked;
+    options.open = [&](const std::vector<std::string>& wanted) { asked = wanted; };
+    options.newer = [&]() -> std::optional<proto::Tileset> {
+        if (asked.empty()) return std::nullopt;
+        documents.open(asked.front());
+        asked.clear();
+        return documents.now;
+    };
+    std::size_t holes = 0;
+    bool has_begun = false;
+    options.on_frame = [&](const render::Image& image) -> Status {
+        const std::size_t here = background_pixels(image);
+        has_begun = has_begun || here < image.pixels();
+        holes += has_begun ? here : 0;
+        return Nothing{};
+    };
+    const motion::Trace still{{0.0, {Vec3d{-20.0, 1.0, -20.0}, 0.0, -80.0}},
+                              {4.0, {Vec3d{-20.0, 1.0, -20.0}, 0.0, -80.0}}};
+    const Roamed roamed = roam_through(tiles, still);
+    EXPECT_EQ(holes, 0u);
+    EXPECT_GT(documents.opened, 0);
+    EXPECT_LT(documents.opened, 16) << "only where the view is";
+    EXPECT_EQ(roamed.revisions, static_cast<std::uint64_t>(documents.opened));
+    const RoamFrame& last = roamed.frames.back();
+    EXPECT_EQ(last.missing_tiles, 0u);
+    EXPECT_LE(last.error_px, options.stream.tolerance_px);
+    EXPECT_TRUE(has_begun);
+}
+
 TEST_F(RoamTest, WithoutItsRootASceneIsAnError) {
     FakeTiles tiles(tileset);
     tiles.failing.emplace(0, invalid_input("/0: no GLB"));

@@ -15,6 +15,17 @@ LodTree sound_tree() {
 TEST(LodTree, ValidatesWhatKeepsItsLaws) {
     EXPECT_TRUE(validate(sound_tree()));
     EXPECT_TRUE(validate(LodTree(1)));
+    LodTree by_and_by(6);  // children of a later node may lie before those of an earlier one
+    by_and_by[0].first_child = 1;
+    by_and_by[1].first_child = 4;
+    by_and_by[2].first_child = 3;
+    for (const auto& [node, parent] : {std::pair{1u, 0u}, {2u, 0u}, {3u, 2u}, {4u, 1u}, {5u, 1u}}) {
+        by_and_by[node].parent = parent;
+        ++by_and_by[parent].child_count;
+    }
+    EXPECT_TRUE(validate(by_and_by));
+    by_and_by[5].parent = 2;
+    EXPECT_FALSE(validate(by_and_by));
 }
 
 TEST(LodTree, RefusesWhatDoesNot) {

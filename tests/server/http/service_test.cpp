@@ -8,6 +8,8 @@
 #include <set>
 
 #include "proto/gzip.h"
+#include "proto/tileset.h"
+#include "server/bake/tile_tree.h"
 #include "tests/server/http/harness.h"
 
 namespace lodestream::http {
@@ -200,6 +202,60 @@ TEST_F(ReadyService, TilesetListsTheLadder) {
     const json asset = json_of(get("/v1/assets/teapot"));
     EXPECT_EQ(json_of(response)["root"]["content"]["uri"], asset["levels"].back()["url"]);
     expect_problem(get("/v1/assets/nobody/tileset.json"), 404, "nobody");
+}
+
+// A chain of tiles, two below each but the last, in place of those that a bake has made.
+bake::TileTree tall_tree(std::uint32_t tiles) {
+    bake::TileTree tree;
+    for (std::uint32_t i = 0; i < tiles; ++i) {
+        scene::LodNode& node = tree.nodes.emplace_back();
+        node.box = {Vec3d(0.0), Vec3d(1.0)};
+        node.error = static_cast<double>(tiles - i);
+        if (i > 0) node.parent = (i - 1) / 2;
+        if (2 * i + 2 < tiles) {
+            node.first_child = 2 * i + 1;
+            node.child_count = 2;
+        }
+        tree.hashes.push_back(std::string(64, static_cast<char>('0' + i % 10)));
+        tree.bytes.push_back(1);
+    }
+    return tree;
+}
+
+TEST(Tilesets, OfManyTilesAreServedInDocuments) {
+    Harness harness;
+    harness.bake("ship", "sample:ship:3");
+    const auto put = [&](std::uint32_t tiles) {
+        ASSERT_TRUE(harness.store.put_content("ship", bake::tiles_key, "tiles", serialize(tall_tree(tiles))).ok());
+    };
+    put(2'001);
+    const std::string path = "/v1/assets/ship/tileset.json";
+    const auto root = proto::parse_tileset(harness.get(path).body);
+    ASSERT_TRUE(root.ok()) << root.error().message;
+    std::size_t tiles = root->nodes.size(), documents = 0;
+    for (const std::string& address : root->documents) {
+        if (address.empty()) continue;
+        ASSERT_THAT(address, StartsWith(path + "?tile="));
+        const std::string id = address.substr(path.size() + 6, address.find('&') - path.size() - 6);
+        const Response response = harness.call("GET", path, {}, {}, {{"tile", id}, {"version", "1"}});
+        ASSERT_EQ(response.status, 200) << response.body;
+        EXPECT_EQ(response.headers.at("cache-control"), "no-cache");
+        tiles += proto::parse_document(response.body, Mat4d(1.0))->nodes.size() - 1;
+        ++documents;
+    }
+    EXPECT_GT(documents, 3u);
+    EXPECT_EQ(tiles, 2'001u);
+    const auto ask = [&](std::map<std::string, std::string> query) {
+        return harness.call("GET", path, {}, {}, std::move(query));
+    };
+    expect_problem(ask({{"tile", "2001"}}), 404, "no tile 2001");
+    expect_problem(ask({{"tile", "-1"}}), 400, "tile must be");
+    expect_problem(ask({{"tile", "1"}, {"after", "0"}}), 400, "after is of the whole");
+    put(2'003);  // not what was told before
+    EXPECT_EQ(ask({{"tile", "2002"}}).status, 200);
+    put(3);
+    EXPECT_TRUE(proto::parse_tileset(harness.get(path).body)->documents.empty());
+    expect_problem(ask({{"tile", "1"}}), 404, "no tile 1");
 }
 
 TEST_F(ReadyService, ServesItsPageAndItsDescription) {
