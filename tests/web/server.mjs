@@ -58,10 +58,18 @@ export async function copy_models(models, folder) {
   for (const model of models) await cp(path.join(shared_data, model), path.join(folder, path.basename(model)));
 }
 
-// Runs `use(url)` against a server with the samples and, where given, the models of a folder.
-export async function with_server(program, assets, use) {
+async function run(program, args) {
+  const child = spawn(program, args, { stdio: ["ignore", "ignore", "inherit"] });
+  const code = await new Promise((resolve) => child.on("exit", resolve));
+  if (code !== 0) throw new Error(`${[program, ...args].join(" ")}: exit code ${code}`);
+}
+
+// Runs `use(url)` against a server with the samples and, where given, the models of a folder, and what `more` names,
+// which is baked before.
+export async function with_server(program, assets, use, more = []) {
   const store = await mkdtemp(path.join(tmpdir(), "lodestream-web-"));
   const url = `http://127.0.0.1:${await free_port()}`;
+  if (more.length > 0) await run(program, ["bake", ...more, "--store", store]);
   const args = ["serve", "--listen", url.slice("http://".length), "--store", store, "--samples"];
   const child = spawn(program, assets ? [...args, "--assets", assets] : args, { stdio: ["ignore", "ignore", "inherit"] });
   const stopped = new Promise((resolve) => child.on("exit", resolve));

@@ -42,7 +42,9 @@ function picture(scene, camera) {
   return pixels;
 }
 
-const file_name = (uri) => uri.split("/").pop();
+// What names a tile: its id where it tells one (instances share their contents), else its content.
+const name_of = (extras, uri) => extras?.id ?? uri.split("/").pop();
+const is_document = (uri) => uri.split("?")[0].endsWith(".json");
 
 // `step` draws a frame and tells {settled, loaded}; a slow machine is given time for as long as tiles come.
 async function until_settled(step) {
@@ -73,7 +75,8 @@ async function show_in_three(url, view) {
     tiles.update();
     return { settled: tiles.loadProgress === 1 && tiles.visibleTiles.size > 0, loaded: tiles.stats.loaded };
   });
-  const drawn = [...tiles.visibleTiles].map((tile) => file_name(tile.content.uri));
+  const shown = [...tiles.visibleTiles].filter((tile) => !is_document(tile.content.uri));
+  const drawn = shown.map((tile) => name_of(tile.extras, tile.content.uri));
   const pixels = picture(lit(tiles.group), camera);
   tiles.dispose();
   return { drawn, failed, pixels };
@@ -133,7 +136,9 @@ window.measure_cesium = async (url, view) => {
   const tileset = await Cesium.Cesium3DTileset.fromUrl(url, { maximumScreenSpaceError: view.error_px });
   let failed = 0, drawn = new Set();
   tileset.tileFailed.addEventListener(() => ++failed);
-  tileset.tileVisible.addEventListener((tile) => drawn.add(file_name(tile.content.url)));
+  tileset.tileVisible.addEventListener((tile) => {
+    if (!is_document(tile.content.url)) drawn.add(name_of(tile.extras, tile.content.url));
+  });
   widget.scene.primitives.add(tileset);
   place_in_cesium(widget, tileset, view);
   await until_settled(() => {
