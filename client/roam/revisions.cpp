@@ -63,12 +63,18 @@ void Revisions::open_documents(const std::vector<std::string>& addresses) {
     changed_.notify_all();
 }
 
-Result<proto::Tileset> Revisions::reopened(proto::Tileset newer, const std::set<std::uint64_t>& opened) {
+Result<proto::Tileset> Revisions::reopened(proto::Tileset newer, Documents& opened) {
     for (std::uint32_t node = 0; node < newer.nodes.size(); ++node) {
-        if (!proto::begins_document(newer, node) || newer.ids.empty() || !opened.contains(newer.ids[node])) continue;
-        const auto document = revisions_client_.document(newer.documents[node], newer.matrix(node));
-        if (!document) return document.error();
-        if (Status added = proto::add_document(newer, node, *document); !added) return added.error();
+        if (!proto::begins_document(newer, node) || newer.ids.empty()) continue;
+        const auto known = opened.find(newer.ids[node]);
+        if (known == opened.end()) continue;
+        Document& document = known->second;
+        if (document.address != newer.documents[node]) {
+            auto read = revisions_client_.document(newer.documents[node], newer.matrix(node));
+            if (!read) return read.error();
+            document = {newer.documents[node], std::make_shared<const proto::Tileset>(*std::move(read))};
+        }
+        if (Status added = proto::add_document(newer, node, *document.told); !added) return added.error();
     }
     return newer;
 }
@@ -77,10 +83,10 @@ void Revisions::follow() {
     std::unique_lock lock(mutex_);
     std::uint64_t revision = tileset_.revision;
     while (!stopping_) {
-        const std::set<std::uint64_t> opened = opened_;
+        Documents opened = opened_;
         lock.unlock();
         auto newer = revisions_client_.newer_tileset(asset_id_, revision);
-        const bool has_come = newer && *newer;
+        const bool is_told = newer.ok(), has_come = is_told && *newer;
         const std::uint64_t come = has_come ? (*newer)->revision : revision;
         std::optional<Result<proto::Tileset>> whole;
         if (has_come) whole = reopened(**std::move(newer), opened);
@@ -89,10 +95,10 @@ void Revisions::follow() {
         if (is_read) revision = come;
         if (has_come && is_read && is_usable(**whole)) {
             tileset_ = **std::move(whole);
-            opened_ = opened;
+            opened_ = std::move(opened);
             is_newer_ = true;
         }
-        const bool is_well = newer && is_read;
+        const bool is_well = is_told && is_read;
         changed_.wait_for(lock, is_well ? revision_interval : retry_interval, [&] { return stopping_; });
     }
 }
@@ -113,7 +119,7 @@ void Revisions::read_documents() {
         const std::string address = addresses_.front();
         const Mat4d place = tileset_.matrix(node_of(address));
         lock.unlock();
-        const auto document = documents_client_.document(address, place);
+        auto document = documents_client_.document(address, place);
         lock.lock();
         if (!document && may_come(document.error())) {
             changed_.wait_for(lock, retry_interval, [&] { return stopping_; });
@@ -124,7 +130,8 @@ void Revisions::read_documents() {
         if (node == tileset_.documents.size()) continue;
         if (document && is_usable(*document) &&
             proto::add_document(tileset_, static_cast<std::uint32_t>(node), *document)) {
-            if (!tileset_.ids.empty()) opened_.insert(tileset_.ids[node]);
+            if (!tileset_.ids.empty())
+                opened_[tileset_.ids[node]] = {address, std::make_shared<const proto::Tileset>(*std::move(document))};
             is_newer_ = true;
         } else {
             broken_.insert(address);

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -42,8 +43,13 @@ class Revisions {
     Revisions(sdk::Client revisions, sdk::Client documents, std::string asset_id, proto::Tileset tileset);
     void follow();
     void read_documents();
-    // With what was opened of the tileset before.
-    Result<proto::Tileset> reopened(proto::Tileset newer, const std::set<std::uint64_t>& opened);
+    struct Document {
+        std::string address;
+        std::shared_ptr<const proto::Tileset> told;
+    };
+    using Documents = std::map<std::uint64_t, Document>;  // by the ids of their tiles
+    // With what was opened of the tileset before; of that, what has changed is read again.
+    Result<proto::Tileset> reopened(proto::Tileset newer, Documents& opened);
 
     sdk::Client revisions_client_, documents_client_;  // each of one thread
     const std::string asset_id_;
@@ -51,7 +57,7 @@ class Revisions {
     std::condition_variable changed_;
     proto::Tileset tileset_;
     bool is_newer_ = false;               // than what take() has given
-    std::set<std::uint64_t> opened_;      // ids of tiles whose documents are in the tileset
+    Documents opened_;                    // that are in the tileset
     std::vector<std::string> addresses_;  // of documents to be opened
     std::set<std::string> broken_;        // those that will not come
     bool stopping_ = false;
