@@ -306,8 +306,8 @@ Status sample(const SampleArguments& arguments) {
         return fail(ErrorCode::limit_exceeded, "sample \"" + arguments.sample + "\" has " + std::to_string(triangles) +
                                                    " triangles, a file at most " +
                                                    std::to_string(samples::max_sample_triangles));
-    *model = mesh::without_instances(*std::move(model));
-    Result<Written> written = write_model(arguments.out, *model, 0.0, {});
+    const mesh::Model flat = mesh::without_instances(*std::move(model));
+    Result<Written> written = write_model(arguments.out, flat, 0.0, {});
     if (!written) return written.error();
     std::printf("%s: %llu triangles, %llu vertices, %llu bytes\n", arguments.out.c_str(),
                 static_cast<unsigned long long>(written->triangles), static_cast<unsigned long long>(written->vertices),

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <future>
+#include <memory>
 #include <thread>
 
 #include "server/http/http_server.h"
@@ -24,17 +25,18 @@ std::string lifting(int node, double by) {
     return R"({"nodes":[{"node":)" + std::to_string(node) + R"(,"translation":[0,)" + std::to_string(by) + ",0]}]}";
 }
 
-// The ship is baked once for all that only look at answers.
+// The ship is baked once for all that only look at answers, by a harness that ends before the program does.
 struct NodesTest : ::testing::Test {
     static Harness& harness() {
-        static Harness& baked = *[] {
-            auto* made = new Harness();  // for the life of the program
-            made->bake("ship", "sample:ship:30");
-            made->bake("teapot");
-            return made;
-        }();
-        return baked;
+        if (!shared) {
+            shared = std::make_unique<Harness>();
+            shared->bake("ship", "sample:ship:30");
+            shared->bake("teapot");
+        }
+        return *shared;
     }
+    static void TearDownTestSuite() { shared.reset(); }
+    static inline std::unique_ptr<Harness> shared;
     static Response patch(const std::string& body, std::map<std::string, std::string> headers = {}) {
         return harness().call("PATCH", nodes_path, body, std::move(headers));
     }
