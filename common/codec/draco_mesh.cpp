@@ -144,86 +144,187 @@ Conversion conversion_from(draco::DataType type) {
     }
 }
 
-// The usual case at once: floats side by side, one value a point.
-bool read_floats(const draco::PointAttribute& source, std::uint32_t points, std::vector<float>& values) {
-    const std::size_t bytes = std::size_t{points} * source.num_components() * sizeof(float);
-    if (source.data_type() != draco::DT_FLOAT32 || !source.is_mapping_identity() || source.size() < points ||
-        source.byte_offset() != 0 ||
-        source.byte_stride() != static_cast<std::int64_t>(source.num_components() * sizeof(float)) ||
-        source.buffer()->data_size() < bytes)
-        return false;
-    values.resize(bytes / sizeof(float));
-    if (bytes > 0) std::memcpy(values.data(), source.buffer()->data(), bytes);
-    return true;
-}
-
-Result<DracoAttribute> read_attribute(const draco::PointAttribute& source, std::uint32_t points) {
-    const Conversion convert = conversion_from(source.data_type());
-    if (!convert) return invalid_input("Draco: attribute of an unknown data type");
+Status check_cover(const draco::PointAttribute& source, std::uint32_t points) {
     if (!source.is_mapping_identity() && source.indices_map_size() < points)
         return invalid_input("Draco: attribute does not cover every point");
-    DracoAttribute attribute;
-    attribute.semantic = semantic_of(source.attribute_type());
-    attribute.components = source.num_components();
-    attribute.normalized = source.normalized();
-    if (read_floats(source, points, attribute.values)) return attribute;
-    attribute.values.reserve(std::size_t{points} * source.num_components());
+    return Nothing{};
+}
+
+std::uint32_t value_of_point(const draco::PointAttribute& source, std::uint32_t point) {
+    return source.mapped_index(draco::PointIndex(point)).value();
+}
+
+// Numbers of the type that the attribute has, side by side. Errors: invalid_input where one is out of range.
+template <class Number>
+Status copy_values(const draco::PointAttribute& source, std::uint32_t points, std::span<Number> values) {
+    if (const Status covers = check_cover(source, points); !covers) return covers.error();
+    std::uint64_t used = source.is_mapping_identity() ? points : 0;
+    if (!source.is_mapping_identity())
+        for (std::uint32_t p = 0; p < points; ++p)
+            used = std::max<std::uint64_t>(used, std::uint64_t{value_of_point(source, p)} + 1);
+    const std::size_t components = static_cast<std::size_t>(source.num_components());
+    const std::size_t size = components * sizeof(Number);
+    if (source.byte_offset() != 0 || source.byte_stride() != static_cast<std::int64_t>(size) || used > source.size() ||
+        used * size > source.buffer()->data_size())
+        return invalid_input("Draco: attribute value out of range");
+    if (used == 0) return Nothing{};
+    const std::uint8_t* stored = source.buffer()->data();
+    if (source.is_mapping_identity()) {
+        std::memcpy(values.data(), stored, values.size_bytes());
+        return Nothing{};
+    }
+    const auto gather = [&](auto count) {
+        Number* target = values.data();
+        for (std::uint32_t p = 0; p < points; ++p, target += count.value)
+            std::memcpy(target, stored + std::size_t{value_of_point(source, p)} * count.value * sizeof(Number),
+                        count.value * sizeof(Number));
+    };
+    switch (components) {
+        case 1:
+            gather(std::integral_constant<std::size_t, 1>{});
+            break;
+        case 2:
+            gather(std::integral_constant<std::size_t, 2>{});
+            break;
+        case 3:
+            gather(std::integral_constant<std::size_t, 3>{});
+            break;
+        default:
+            gather(std::integral_constant<std::size_t, 4>{});
+    }
+    return Nothing{};
+}
+
+Status convert_values(const draco::PointAttribute& source, std::uint32_t points, std::vector<float>& values) {
+    const Conversion convert = conversion_from(source.data_type());
+    if (!convert) return invalid_input("Draco: attribute of an unknown data type");
+    if (const Status covers = check_cover(source, points); !covers) return covers.error();
     const int size = draco::DataTypeLength(source.data_type());
     const std::uint64_t stored = source.buffer()->data_size();
+    float* target = values.data();
     for (std::uint32_t p = 0; p < points; ++p) {
-        const std::uint32_t value = source.mapped_index(draco::PointIndex(p)).value();
+        const std::uint32_t value = value_of_point(source, p);
         const std::uint64_t start =
             static_cast<std::uint64_t>(source.byte_offset()) + static_cast<std::uint64_t>(source.byte_stride()) * value;
         const std::uint64_t length = static_cast<std::uint64_t>(size) * source.num_components();
         if (value >= source.size() || start > stored || length > stored - start)
             return invalid_input("Draco: attribute value out of range");
-        for (int c = 0; c < attribute.components; ++c)
-            attribute.values.push_back(convert(source.buffer()->data() + start + c * size, attribute.normalized));
+        for (int c = 0; c < source.num_components(); ++c)
+            *target++ = convert(source.buffer()->data() + start + c * size, source.normalized());
     }
+    return Nothing{};
+}
+
+bool has_components(const draco::PointAttribute& source) {
+    return source.num_components() >= 1 && source.num_components() <= 4;
+}
+
+Result<DracoAttribute> read_attribute(const draco::PointAttribute& source, std::uint32_t points) {
+    DracoAttribute attribute;
+    attribute.semantic = semantic_of(source.attribute_type());
+    attribute.components = source.num_components();
+    attribute.normalized = source.normalized();
+    attribute.values.resize(std::size_t{points} * source.num_components());
+    if (source.data_type() == draco::DT_FLOAT32 && copy_values<float>(source, points, attribute.values))
+        return attribute;
+    if (const Status read = convert_values(source, points, attribute.values); !read) return read.error();
     return attribute;
 }
 
-// pre: the attribute was read
-std::vector<std::uint32_t> first_points(const draco::PointAttribute& positions, std::uint32_t points) {
+Result<std::vector<std::uint32_t>> first_points(const draco::PointAttribute& positions, std::uint32_t points) {
     std::vector<std::uint32_t> result;
+    if (const Status covers = check_cover(positions, points); !covers) return covers.error();
     if (positions.is_mapping_identity() || positions.size() >= points) return result;
     constexpr std::uint32_t none = 0xffffffffu;
     std::vector<std::uint32_t> first(positions.size(), none);
     result.reserve(points);
     for (std::uint32_t p = 0; p < points; ++p) {
-        std::uint32_t& of_value = first[positions.mapped_index(draco::PointIndex(p)).value()];
-        result.push_back(of_value = std::min(of_value, p));
+        const std::uint32_t value = value_of_point(positions, p);
+        if (value >= first.size()) return invalid_input("Draco: attribute value out of range");
+        result.push_back(first[value] = std::min(first[value], p));
     }
     return result;
 }
 
-Result<DracoMesh> read_geometry(const draco::PointCloud& cloud, const draco::Mesh* mesh) {
-    DracoMesh result;
-    result.points = cloud.num_points();
-    if (mesh) result.triangles.reserve(mesh->num_faces());
-    for (std::uint32_t f = 0; mesh && f < mesh->num_faces(); ++f) {
-        const draco::Mesh::Face& face = mesh->face(draco::FaceIndex(f));
-        const mesh::Triangle triangle{face[0].value(), face[1].value(), face[2].value()};
-        if (*std::max_element(triangle.begin(), triangle.end()) >= result.points)
-            return invalid_input("Draco: triangle " + std::to_string(f) + " refers to a missing point");
-        result.triangles.push_back(triangle);
+}  // namespace
+
+struct DracoStream::Impl {
+    std::unique_ptr<draco::PointCloud> cloud;
+    const draco::Mesh* mesh = nullptr;  // null: a point cloud
+
+    const draco::PointAttribute* attribute(std::uint32_t id) const {
+        const draco::PointAttribute* found = nullptr;
+        for (int a = 0; a < cloud->num_attributes() && !found; ++a)
+            if (cloud->attribute(a)->unique_id() == id && has_components(*cloud->attribute(a)))
+                found = cloud->attribute(a);
+        return found;
     }
-    if (static_cast<std::size_t>(cloud.num_attributes()) > max_attributes)
-        return fail(ErrorCode::limit_exceeded, "Draco: more than " + std::to_string(max_attributes) + " attributes");
-    for (int a = 0; a < cloud.num_attributes(); ++a) {
-        const draco::PointAttribute& source = *cloud.attribute(a);
-        if (source.num_components() < 1 || source.num_components() > 4) continue;
-        Result<DracoAttribute> attribute = read_attribute(source, result.points);
-        if (!attribute) return attribute.error();
-        if (mesh && attribute->semantic == DracoAttribute::Semantic::position)
-            result.first_at_position = first_points(source, result.points);
-        if (!result.attributes.emplace(source.unique_id(), std::move(*attribute)).second)
-            return invalid_input("Draco: two attributes have the id " + std::to_string(source.unique_id()));
+    template <class Number>
+    Status read(std::uint32_t id, int components, draco::DataType type, std::span<Number> values) const {
+        const draco::PointAttribute* found = attribute(id);
+        if (!found || found->num_components() != components || found->data_type() != type ||
+            found->normalized() != (type == draco::DT_UINT8))
+            return invalid_input("Draco: an attribute is missing or of an unexpected kind");
+        return copy_values(*found, cloud->num_points(), values);
     }
+};
+
+DracoStream::DracoStream(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+DracoStream::DracoStream(DracoStream&&) noexcept = default;
+DracoStream::~DracoStream() = default;
+
+std::uint32_t DracoStream::points() const {
+    return impl_->cloud->num_points();
+}
+
+Result<std::vector<mesh::Triangle>> DracoStream::triangles() const {
+    std::vector<mesh::Triangle> result;
+    if (!impl_->mesh || impl_->mesh->num_faces() == 0) return result;
+    result.resize(impl_->mesh->num_faces());
+    std::uint32_t last = 0;
+    for (std::uint32_t f = 0; f < result.size(); ++f) {
+        const draco::Mesh::Face& face = impl_->mesh->face(draco::FaceIndex(f));
+        for (std::size_t k = 0; k < 3; ++k) last = std::max(last, result[f][k] = face[k].value());
+    }
+    if (last >= points()) return invalid_input("Draco: a triangle refers to a missing point");
     return result;
 }
 
-Result<DracoMesh> decode(std::span<const std::byte> bytes, std::uint64_t max_points, std::uint64_t max_triangles) {
+Result<std::vector<std::uint32_t>> DracoStream::first_at_position() const {
+    const draco::PointAttribute* positions = impl_->cloud->GetNamedAttribute(draco::GeometryAttribute::POSITION);
+    if (!impl_->mesh || !positions) return std::vector<std::uint32_t>{};
+    return first_points(*positions, points());
+}
+
+Result<DracoAttribute> DracoStream::attribute(std::uint32_t id) const {
+    const draco::PointAttribute* found = impl_->attribute(id);
+    if (!found) return invalid_input("Draco: no attribute has the id " + std::to_string(id));
+    return read_attribute(*found, points());
+}
+
+Status DracoStream::read(std::uint32_t id, int components, std::span<float> values) const {
+    return impl_->read(id, components, draco::DT_FLOAT32, values);
+}
+
+Status DracoStream::read(std::uint32_t id, int components, std::span<std::uint8_t> values) const {
+    return impl_->read(id, components, draco::DT_UINT8, values);
+}
+
+std::vector<std::uint32_t> DracoStream::ids() const {
+    std::vector<std::uint32_t> result;
+    for (int a = 0; a < impl_->cloud->num_attributes(); ++a)
+        if (has_components(*impl_->cloud->attribute(a))) result.push_back(impl_->cloud->attribute(a)->unique_id());
+    return result;
+}
+
+namespace {
+
+struct DecodedCloud {
+    std::unique_ptr<draco::PointCloud> cloud;
+    const draco::Mesh* mesh = nullptr;
+};
+
+Result<DecodedCloud> decode(std::span<const std::byte> bytes, std::uint64_t max_points, std::uint64_t max_triangles) {
     const std::optional<DeclaredCounts> declared = read_declared_counts(bytes);
     if (!declared) return invalid_input("Draco: damaged header");
     const auto too_many = [&](std::uint64_t points, std::uint64_t triangles) {
@@ -238,8 +339,8 @@ Result<DracoMesh> decode(std::span<const std::byte> bytes, std::uint64_t max_poi
 
     draco::Decoder decoder;
     draco::DecoderBuffer buffer = buffer_of(bytes);
-    std::unique_ptr<draco::PointCloud> cloud;
-    const draco::Mesh* mesh = nullptr;
+    DecodedCloud result;
+    auto& [cloud, mesh] = result;
     draco::Status status;
     if (declared->is_mesh) {
         auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
@@ -256,7 +357,27 @@ Result<DracoMesh> decode(std::span<const std::byte> bytes, std::uint64_t max_poi
     }
     if (!cloud) return invalid_input("Draco: damaged stream (" + status.error_msg_string() + ")");
     if (too_many(cloud->num_points(), mesh ? mesh->num_faces() : 0)) return limit;
-    return read_geometry(*cloud, mesh);
+    if (static_cast<std::size_t>(cloud->num_attributes()) > max_attributes)
+        return fail(ErrorCode::limit_exceeded, "Draco: more than " + std::to_string(max_attributes) + " attributes");
+    return result;
+}
+
+Result<DracoMesh> mesh_of(const DracoStream& stream) {
+    DracoMesh result;
+    result.points = stream.points();
+    auto triangles = stream.triangles();
+    if (!triangles) return triangles.error();
+    result.triangles = *std::move(triangles);
+    for (const std::uint32_t id : stream.ids()) {
+        Result<DracoAttribute> attribute = stream.attribute(id);
+        if (!attribute) return attribute.error();
+        if (!result.attributes.emplace(id, *std::move(attribute)).second)
+            return invalid_input("Draco: two attributes have the id " + std::to_string(id));
+    }
+    auto first = stream.first_at_position();
+    if (!first) return first.error();
+    result.first_at_position = *std::move(first);
+    return result;
 }
 
 }  // namespace
@@ -268,14 +389,27 @@ std::vector<mesh::Triangle> between_positions(std::vector<mesh::Triangle> triang
     return triangles;
 }
 
-Result<DracoMesh> decode_draco(std::span<const std::byte> bytes, std::uint64_t max_points,
-                               std::uint64_t max_triangles) {
+Result<DracoStream> DracoStream::decode(std::span<const std::byte> bytes, std::uint64_t max_points,
+                                        std::uint64_t max_triangles) {
     try {
-        return decode(bytes, max_points, max_triangles);
+        Result<DecodedCloud> decoded = codec::decode(bytes, max_points, max_triangles);
+        if (!decoded) return decoded.error();
+        return DracoStream(std::make_unique<Impl>(std::move(decoded->cloud), decoded->mesh));
     } catch (const std::bad_alloc&) {
         return fail(ErrorCode::limit_exceeded, "Draco: not enough memory to decode");
     } catch (const std::exception& error) {
         return invalid_input(std::string("Draco: damaged stream (") + error.what() + ")");
+    }
+}
+
+Result<DracoMesh> decode_draco(std::span<const std::byte> bytes, std::uint64_t max_points,
+                               std::uint64_t max_triangles) {
+    try {
+        const Result<DracoStream> stream = DracoStream::decode(bytes, max_points, max_triangles);
+        if (!stream) return stream.error();
+        return mesh_of(*stream);
+    } catch (const std::bad_alloc&) {
+        return fail(ErrorCode::limit_exceeded, "Draco: not enough memory to decode");
     }
 }
 

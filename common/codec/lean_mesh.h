@@ -37,6 +37,7 @@ struct LeanAttribute {
     Kind kind = Kind::color;
     LeanGrid grid;                     // of texture coordinates; colours are 0 … 255
     std::vector<std::int32_t> values;  // components() a point
+    bool is_opaque = false;            // colours, of which the last component is 255 at every point
     std::size_t components() const { return static_cast<std::size_t>(kind); }
 };
 
@@ -60,7 +61,7 @@ struct EncodedLeanMesh {
 // triangle has are left out.
 EncodedLeanMesh encode_lean_mesh(const LeanMesh& mesh);
 
-// Hostile bytes. Errors: invalid_input (damaged), limit_exceeded (more than so many).
+// Hostile bytes. Errors: invalid_input (damaged, of another version), limit_exceeded (more than so many).
 Result<LeanMesh> decode_lean_mesh(std::span<const std::byte> bytes, std::uint64_t max_points,
                                   std::uint64_t max_triangles);
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -100,18 +101,10 @@ mesh::Wrap wrap_of(std::uint64_t code) {
     throw Refusal{invalid_input("GLB: unknown texture wrap")};
 }
 
-struct AttributeKind {
-    const char* name;
-    DracoAttribute::Semantic semantic;
-    int components;
-    int component_type;
-};
-
-constexpr AttributeKind attribute_kinds[] = {
-    {"POSITION", DracoAttribute::Semantic::position, 3, gltf_float},
-    {"NORMAL", DracoAttribute::Semantic::normal, 3, gltf_float},
-    {"TEXCOORD_0", DracoAttribute::Semantic::texture_coordinate, 2, gltf_float},
-    {"COLOR_0", DracoAttribute::Semantic::color, 4, gltf_unsigned_byte},
+struct Geometry {
+    mesh::Mesh mesh;
+    // Of each vertex, the first one at its position; empty: no two share one, or it was not asked for.
+    std::vector<std::uint32_t> first_at_position;
 };
 
 class Reader {
@@ -133,14 +126,16 @@ class Reader {
     mesh::TextureReference read_texture(const json& parent, const char* name) const;
     const json& check_accessor(std::uint64_t index, const char* type, std::uint64_t component_type,
                                std::uint64_t count) const;
-    DracoMesh read_geometry(const json& primitive);
-    Primitive read_primitive(const json& primitive, DracoMesh& mesh) const;
+    template <class Read>
+    void read_attributes(const json& attributes, std::uint64_t points, mesh::Mesh& mesh, const Read& read) const;
+    Geometry read_geometry(const json& primitive, bool with_first_points);
+    Primitive read_primitive(const json& primitive, mesh::Mesh mesh) const;
     std::vector<Primitive> read_shaded(const json& primitive);
-    DracoMesh read_compressed(const json& primitive, const json& extension);
-    DracoMesh read_lean(const json& primitive, const json& extension);
-    void check_indices(const json& primitive, const DracoMesh& mesh) const;
-    DracoMesh read_plain(const json& primitive);
-    void read_plain_indices(const json& primitive, DracoMesh& mesh);
+    Geometry read_compressed(const json& primitive, const json& extension, bool with_first_points);
+    Geometry read_lean(const json& primitive, const json& extension);
+    void check_indices(const json& primitive, const mesh::Mesh& mesh) const;
+    Geometry read_plain(const json& primitive);
+    void read_plain_indices(const json& primitive, mesh::Mesh& mesh);
     const json* find_node() const;
 
     json root_;
@@ -283,69 +278,111 @@ bool is_index_type(std::uint64_t component_type) {
     return component_type == gltf_unsigned_short || component_type == gltf_unsigned_int;
 }
 
-void Reader::check_indices(const json& primitive, const DracoMesh& mesh) const {
+void Reader::check_indices(const json& primitive, const mesh::Mesh& mesh) const {
     const std::uint64_t indices = whole(member(primitive, "indices"));
     const std::uint64_t index_type = whole(member(element("accessors", indices), "componentType"));
     require(is_index_type(index_type), "indices of an unexpected type");
     check_accessor(indices, "SCALAR", index_type, std::uint64_t{mesh.triangles.size()} * 3);
 }
 
-DracoMesh Reader::read_compressed(const json& primitive, const json& extension) {
-    const auto stream = take_view(whole(member(extension, "bufferView")));
-    Result<DracoMesh> decoded = decode_draco(stream, vertices_left_, triangles_left_);
-    if (!decoded) throw Refusal{fail(decoded.error().code, "GLB: " + decoded.error().message)};
-
-    check_indices(primitive, *decoded);
-    const json& ids = member(extension, "attributes");
-    const json& attributes = member(primitive, "attributes");
-    require(ids.is_object() && attributes.is_object() && ids.size() == attributes.size(), "attributes outside Draco");
-    DracoMesh result;
-    result.points = decoded->points;
-    result.triangles = std::move(decoded->triangles);
-    result.first_at_position = std::move(decoded->first_at_position);
-    for (const AttributeKind& kind : attribute_kinds) {
-        const json* id = find(ids, kind.name);
-        if (!id) continue;
-        const std::string type = "VEC" + std::to_string(kind.components);
-        check_accessor(whole(member(attributes, kind.name)), type.c_str(),
-                       static_cast<std::uint64_t>(kind.component_type), result.points);
-        require(whole(*id) <= std::numeric_limits<std::uint32_t>::max(), "a Draco attribute is missing");
-        const auto found = decoded->attributes.find(static_cast<std::uint32_t>(whole(*id)));
-        require(found != decoded->attributes.end() && found->second.components == kind.components &&
-                    found->second.normalized == (kind.component_type == gltf_unsigned_byte),
-                "a Draco attribute is missing or of an unexpected kind");
-        result.attributes[static_cast<std::uint32_t>(kind.semantic)] = std::move(found->second);
-        decoded->attributes.erase(found);
-    }
-    require(result.attributes.size() == ids.size(), "an unknown attribute");
+// All at once, which takes a tenth of the time of a look at each.
+bool all_finite(std::span<const float> values) {
+    constexpr std::uint32_t not_finite = 0x7f800000;
+    bool result = true;
+    for (const float value : values) result &= (std::bit_cast<std::uint32_t>(value) & not_finite) != not_finite;
     return result;
 }
 
-DracoMesh Reader::read_lean(const json& primitive, const json& extension) {
+bool all_of_unit_length(const std::vector<Vec3f>& normals) {
+    constexpr float most_off = 0.02f;  // of the square
+    bool result = true;
+    for (const Vec3f& n : normals) result &= std::abs(dot(n, n) - 1.0f) < most_off;
+    return result;
+}
+
+template <class Number, class Vector>
+std::span<Number> numbers_of(std::vector<Vector>& vectors) {
+    static_assert(sizeof(Vector) == Vector::length() * sizeof(Number));
+    return {reinterpret_cast<Number*>(vectors.data()), vectors.size() * Vector::length()};
+}
+
+// Fills the mesh's attributes that `attributes` names: read(name, its entry, floats or bytes to fill).
+template <class Read>
+void Reader::read_attributes(const json& attributes, std::uint64_t points, mesh::Mesh& mesh, const Read& read) const {
+    require(attributes.is_object(), "an object is expected");
+    std::size_t known = 0;
+    const auto add = [&](const char* name, auto& vectors, auto number, int component_type) {
+        using Vector = typename std::remove_reference_t<decltype(vectors)>::value_type;
+        const json* accessor = find(attributes, name);
+        if (!accessor) return;
+        constexpr std::array<const char*, 5> types{"", "SCALAR", "VEC2", "VEC3", "VEC4"};
+        check_accessor(whole(*accessor), types[static_cast<std::size_t>(Vector::length())],
+                       static_cast<std::uint64_t>(component_type), points);
+        vectors.resize(points);
+        const auto values = numbers_of<decltype(number)>(vectors);
+        read(name, *accessor, values);
+        if constexpr (std::is_same_v<decltype(number), float>)
+            require(all_finite(values), "an attribute is not finite");
+        ++known;
+    };
+    add("POSITION", mesh.positions, float{}, gltf_float);
+    add("NORMAL", mesh.normals, float{}, gltf_float);
+    add("TEXCOORD_0", mesh.texture_coordinates, float{}, gltf_float);
+    add("COLOR_0", mesh.colors, std::uint8_t{}, gltf_unsigned_byte);
+    require(known == attributes.size(), "an unknown attribute");
+}
+
+Geometry Reader::read_compressed(const json& primitive, const json& extension, bool with_first_points) {
+    const auto taken = [](auto result) {
+        if (!result) throw Refusal{fail(result.error().code, "GLB: " + result.error().message)};
+        return *std::move(result);
+    };
+    const auto bytes = take_view(whole(member(extension, "bufferView")));
+    const DracoStream stream = taken(DracoStream::decode(bytes, vertices_left_, triangles_left_));
+    Geometry result;
+    result.mesh.triangles = taken(stream.triangles());
+    check_indices(primitive, result.mesh);
+    const json& ids = member(extension, "attributes");
+    const json& attributes = member(primitive, "attributes");
+    require(ids.is_object() && ids.size() == attributes.size(), "attributes outside Draco");
+    read_attributes(attributes, stream.points(), result.mesh, [&](const char* name, const json&, auto values) {
+        const std::uint64_t id = whole(member(ids, name));
+        require(id <= std::numeric_limits<std::uint32_t>::max() && stream.points() > 0, "a Draco attribute is missing");
+        taken(stream.read(static_cast<std::uint32_t>(id), static_cast<int>(values.size() / stream.points()), values));
+    });
+    if (with_first_points) result.first_at_position = taken(stream.first_at_position());
+    return result;
+}
+
+Geometry Reader::read_lean(const json& primitive, const json& extension) {
     Result<LeanMesh> decoded =
         decode_lean_mesh(take_view(whole(member(extension, "bufferView"))), vertices_left_, triangles_left_);
     if (!decoded) throw Refusal{fail(decoded.error().code, "GLB: " + decoded.error().message)};
-    DracoMesh mesh = points_of(*std::move(decoded));
-    check_indices(primitive, mesh);
+    Geometry result;
+    result.first_at_position = first_points(*decoded);
     const json& attributes = member(primitive, "attributes");
-    require(attributes.is_object() && attributes.size() == mesh.attributes.size(), "attributes outside the lean mesh");
-    DracoMesh result = std::move(mesh);
-    auto found = std::exchange(result.attributes, {});
-    for (const AttributeKind& kind : attribute_kinds) {
-        const auto of_kind =
-            std::find_if(found.begin(), found.end(), [&](const auto& a) { return a.second.semantic == kind.semantic; });
-        if (of_kind == found.end()) continue;
-        const std::string type = "VEC" + std::to_string(kind.components);
-        check_accessor(whole(member(attributes, kind.name)), type.c_str(),
-                       static_cast<std::uint64_t>(kind.component_type), result.points);
-        require(result.attributes.emplace(static_cast<std::uint32_t>(kind.semantic), std::move(of_kind->second)).second,
-                "an attribute twice");
-    }
-    require(result.attributes.size() == attributes.size(), "an attribute twice");
+    const std::size_t points = decoded->position_of_point.size();
+    std::size_t used = 0;
+    read_attributes(attributes, points, result.mesh, [&](const char* name, const json&, auto values) {
+        using Number = typename decltype(values)::value_type;
+        ++used;
+        if constexpr (std::is_same_v<Number, float>)
+            if (std::strcmp(name, "POSITION") == 0) return read_positions(*decoded, values);
+        const auto kind =
+            std::is_same_v<Number, float> ? LeanAttribute::Kind::texture_coordinate : LeanAttribute::Kind::color;
+        const auto found = std::find_if(decoded->attributes.begin(), decoded->attributes.end(),
+                                        [&](const LeanAttribute& a) { return a.kind == kind; });
+        require(found != decoded->attributes.end() && found->values.size() == values.size(),
+                "an attribute outside the lean mesh");
+        read_values(*found, values);
+    });
+    require(used == decoded->attributes.size() + 1 && !result.mesh.positions.empty(), "an attribute twice");
+    result.mesh.triangles = std::move(decoded->triangles);
+    check_indices(primitive, result.mesh);
     return result;
 }
 
-void Reader::read_plain_indices(const json& primitive, DracoMesh& mesh) {
+void Reader::read_plain_indices(const json& primitive, mesh::Mesh& mesh) {
     const std::uint64_t index = whole(member(primitive, "indices"));
     const json& accessor = element("accessors", index);
     const std::uint64_t type = whole(member(accessor, "componentType")), count = whole(member(accessor, "count"));
@@ -358,100 +395,50 @@ void Reader::read_plain_indices(const json& primitive, DracoMesh& mesh) {
     for (std::uint64_t i = 0; i < count; ++i) {
         std::uint32_t vertex = 0;
         std::memcpy(&vertex, bytes.data() + i * size, size);
-        require(vertex < mesh.points, "an index is out of range");
+        require(vertex < mesh.positions.size(), "an index is out of range");
         mesh.triangles[i / 3][i % 3] = vertex;
     }
 }
 
-DracoMesh Reader::read_plain(const json& primitive) {
+Geometry Reader::read_plain(const json& primitive) {
     const json& attributes = member(primitive, "attributes");
     const std::uint64_t points = whole(member(element("accessors", whole(member(attributes, "POSITION"))), "count"));
     require(points <= vertices_left_, "too many vertices");
-    DracoMesh result;
-    result.points = static_cast<std::uint32_t>(points);
-    for (const AttributeKind& kind : attribute_kinds) {
-        const json* index = find(attributes, kind.name);
-        if (!index) continue;
-        const std::string type = "VEC" + std::to_string(kind.components);
-        const json& accessor =
-            check_accessor(whole(*index), type.c_str(), static_cast<std::uint64_t>(kind.component_type), points);
-        const auto bytes = take_view(whole(member(accessor, "bufferView")));
-        const bool is_byte = kind.component_type == gltf_unsigned_byte;
-        const std::uint64_t numbers = points * static_cast<std::uint64_t>(kind.components);
-        require(bytes.size() == numbers * (is_byte ? 1 : sizeof(float)), "an attribute does not fill its buffer view");
-        DracoAttribute& attribute = result.attributes[static_cast<std::uint32_t>(kind.semantic)];
-        attribute.values.resize(numbers);
-        if (is_byte)
-            for (std::uint64_t i = 0; i < numbers; ++i)
-                attribute.values[i] = static_cast<float>(std::to_integer<int>(bytes[i]) / 255.0);
-        else
-            std::memcpy(attribute.values.data(), bytes.data(), bytes.size());
-    }
-    require(result.attributes.size() == attributes.size(), "an unknown attribute");
-    read_plain_indices(primitive, result);
+    Geometry result;
+    // What fills a vector has been checked to be in the file before the vector is made.
+    for (const auto& [name, accessor] : attributes.items())
+        require(points <= binary_.size() && accessor.is_number_unsigned(),
+                "an attribute does not fill its buffer view");
+    read_attributes(attributes, points, result.mesh, [&](const char*, const json& accessor, auto values) {
+        const auto bytes = take_view(whole(member(element("accessors", whole(accessor)), "bufferView")));
+        require(bytes.size() == values.size_bytes(), "an attribute does not fill its buffer view");
+        if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+    });
+    read_plain_indices(primitive, result.mesh);
     return result;
 }
 
-// All at once, which takes a tenth of the time of a look at each.
-bool all_finite(const std::vector<float>& values) {
-    constexpr std::uint32_t not_finite = 0x7f800000;
-    bool result = true;
-    for (const float value : values) result &= (std::bit_cast<std::uint32_t>(value) & not_finite) != not_finite;
-    return result;
-}
-
-template <class Vector>
-std::vector<Vector> vectors_of(const DracoMesh& mesh, DracoAttribute::Semantic semantic) {
-    std::vector<Vector> result;
-    const auto found = mesh.attributes.find(static_cast<std::uint32_t>(semantic));
-    if (found == mesh.attributes.end()) return result;
-    const std::vector<float>& values = found->second.values;
-    require(all_finite(values), "an attribute is not finite");
-    result.resize(mesh.points);
-    if constexpr (std::is_same_v<Vector, Rgba8>) {
-        const float* value = values.data();
-        for (Vector& v : result)
-            for (int c = 0; c < Vector::length(); ++c) v[c] = static_cast<std::uint8_t>(std::lround(*value++ * 255.0f));
-    } else if (!result.empty()) {
-        static_assert(sizeof(Vector) == Vector::length() * sizeof(float));
-        std::memcpy(result.data(), values.data(), result.size() * sizeof(Vector));
-    }
-    return result;
-}
-
-bool all_of_unit_length(const std::vector<Vec3f>& normals) {
-    constexpr float most_off = 0.02f;  // of the square
-    bool result = true;
-    for (const Vec3f& n : normals) result &= std::abs(dot(n, n) - 1.0f) < most_off;
-    return result;
-}
-
-DracoMesh Reader::read_geometry(const json& primitive) {
+Geometry Reader::read_geometry(const json& primitive, bool with_first_points) {
     require(whole_or(primitive, "mode", gltf_triangles) == gltf_triangles, "not triangles");
     const json* extensions = find(primitive, "extensions");
     const json* draco = extensions ? find(*extensions, draco_extension) : nullptr;
     const json* lean = extensions ? find(*extensions, lean_extension) : nullptr;
-    DracoMesh mesh = draco  ? read_compressed(primitive, *draco)
-                     : lean ? read_lean(primitive, *lean)
-                            : read_plain(primitive);
-    vertices_left_ -= mesh.points;
-    triangles_left_ -= mesh.triangles.size();
-    return mesh;
+    Geometry geometry = draco  ? read_compressed(primitive, *draco, with_first_points)
+                        : lean ? read_lean(primitive, *lean)
+                               : read_plain(primitive);
+    require(!geometry.mesh.positions.empty() && !geometry.mesh.triangles.empty(), "a primitive without triangles");
+    vertices_left_ -= geometry.mesh.positions.size();
+    triangles_left_ -= geometry.mesh.triangles.size();
+    return geometry;
 }
 
-// Takes the mesh's triangles over.
-Primitive Reader::read_primitive(const json& primitive, DracoMesh& mesh) const {
+Primitive Reader::read_primitive(const json& primitive, mesh::Mesh mesh) const {
     Primitive result;
     const std::uint64_t material = whole(member(primitive, "material"));
     element("materials", material);
     result.material = static_cast<std::uint32_t>(material);
-    result.mesh.positions = vectors_of<Vec3f>(mesh, DracoAttribute::Semantic::position);
-    require(!result.mesh.positions.empty() && !mesh.triangles.empty(), "a primitive without triangles");
-    result.mesh.normals = vectors_of<Vec3f>(mesh, DracoAttribute::Semantic::normal);
+    result.mesh = std::move(mesh);
     require(all_of_unit_length(result.mesh.normals), "a normal is not of unit length");
-    result.mesh.texture_coordinates = vectors_of<Vec2f>(mesh, DracoAttribute::Semantic::texture_coordinate);
-    result.mesh.colors = vectors_of<Rgba8>(mesh, DracoAttribute::Semantic::color);
-    result.mesh.triangles = std::move(mesh.triangles);
     result.shading = result.mesh.normals.empty() ? Shading::flat : Shading::gouraud;
     return result;
 }
@@ -524,24 +511,25 @@ Primitive part_of(const Primitive& whole_primitive, const std::vector<std::uint8
 
 // The primitive by itself or, where it is lean, its Gouraud and its flat part.
 std::vector<Primitive> Reader::read_shaded(const json& json_primitive) {
-    DracoMesh mesh = read_geometry(json_primitive);
-    Primitive primitive = read_primitive(json_primitive, mesh);
     const json* extras = find(json_primitive, "extras");
     const json* ours = extras ? find(*extras, "lodestream") : nullptr;
     const json* view = ours ? find(*ours, "shading") : nullptr;
+    Geometry geometry = read_geometry(json_primitive, view != nullptr);
+    const std::vector<std::uint32_t>& first_at_position = geometry.first_at_position;
+    Primitive primitive = read_primitive(json_primitive, std::move(geometry.mesh));
     std::vector<Primitive> parts;
     if (!view) {
         parts.push_back(std::move(primitive));
         return parts;
     }
     require(primitive.shading == Shading::flat, "lean shading beside normals");
-    const bool apart = mesh.first_at_position.empty();
+    const bool apart = first_at_position.empty();
     const Result<LeanShading> lean = decode_lean_shading(
         primitive.mesh.positions,
-        apart ? primitive.mesh.triangles : between_positions(primitive.mesh.triangles, mesh.first_at_position),
+        apart ? primitive.mesh.triangles : between_positions(primitive.mesh.triangles, first_at_position),
         take_view(whole(*view)));
     if (!lean) throw Refusal{fail(lean.error().code, "GLB: " + lean.error().message)};
-    set_normals(primitive.mesh, *lean, mesh.first_at_position);
+    set_normals(primitive.mesh, *lean, first_at_position);
     const bool mixed = std::find(lean->gouraud.begin(), lean->gouraud.end(), 0) != lean->gouraud.end();
     primitive.shading = Shading::gouraud;
     if (!mixed) {

@@ -429,6 +429,30 @@ LeanMesh lean_mesh(const LocalMesh& local, std::span<const Channel* const> chann
     return result;
 }
 
+// With the ids of encode_lean_primitive.
+DracoMesh points_of(LeanMesh mesh) {
+    DracoMesh result;
+    result.points = static_cast<std::uint32_t>(mesh.position_of_point.size());
+    result.first_at_position = first_points(mesh);
+    result.triangles = std::move(mesh.triangles);
+    const auto add = [&](Semantic semantic, int components) -> DracoAttribute& {
+        const std::size_t values = static_cast<std::size_t>(components) * result.points;
+        DracoAttribute& attribute = result.attributes[static_cast<std::uint32_t>(result.attributes.size())];
+        return attribute = {semantic, components, semantic == Semantic::color, std::vector<float>(values)};
+    };
+    read_positions(mesh, add(Semantic::position, 3).values);
+    for (const LeanAttribute& source : mesh.attributes) {
+        const bool is_color = source.kind == LeanAttribute::Kind::color;
+        std::vector<float>& values =
+            add(is_color ? Semantic::color : Semantic::texture_coordinate, static_cast<int>(source.components()))
+                .values;
+        if (!is_color) read_values(source, values);
+        for (std::size_t i = 0; is_color && i < values.size(); ++i)
+            values[i] = static_cast<float>(source.values[i] / 255.0);
+    }
+    return result;
+}
+
 auto has_three_positions(const LeanMesh& mesh) {
     return [&mesh](const mesh::Triangle& t) {
         const std::uint32_t a = mesh.position_of_point[t[0]], b = mesh.position_of_point[t[1]],
@@ -558,35 +582,30 @@ Result<EncodedPrimitive> encode_lean_primitive(std::span<const mesh::Triangle> t
     return result;
 }
 
-DracoMesh points_of(LeanMesh mesh) {
-    DracoMesh result;
-    result.points = static_cast<std::uint32_t>(mesh.position_of_point.size());
-    result.triangles = std::move(mesh.triangles);
-    DracoAttribute& positions = result.attributes[0];
-    positions.semantic = Semantic::position;
-    positions.components = 3;
-    positions.values.resize(3 * std::size_t{result.points});
-    float* value = positions.values.data();
+void read_positions(const LeanMesh& mesh, std::span<float> values) {
+    float* value = values.data();
     for (const std::uint32_t position : mesh.position_of_point)
         for (std::size_t axis = 0; axis < 3; ++axis) *value++ = mesh.grid.value(mesh.positions[position][axis], axis);
-    for (const LeanAttribute& source : mesh.attributes) {
-        DracoAttribute& attribute = result.attributes[static_cast<std::uint32_t>(result.attributes.size())];
-        attribute.semantic = source.kind == LeanAttribute::Kind::color ? Semantic::color : Semantic::texture_coordinate;
-        attribute.components = static_cast<int>(source.components());
-        attribute.normalized = source.kind == LeanAttribute::Kind::color;
-        attribute.values.reserve(source.values.size());
-        for (std::size_t i = 0; i < source.values.size(); ++i)
-            attribute.values.push_back(attribute.normalized
-                                           ? static_cast<float>(source.values[i] / 255.0)
-                                           : source.grid.value(source.values[i], i % source.components()));
-    }
-    if (result.points == mesh.positions.size()) return result;
+}
+
+void read_values(const LeanAttribute& attribute, std::span<float> values) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = attribute.grid.value(attribute.values[i], i % attribute.components());
+}
+
+void read_values(const LeanAttribute& attribute, std::span<std::uint8_t> values) {
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<std::uint8_t>(attribute.values[i]);
+}
+
+std::vector<std::uint32_t> first_points(const LeanMesh& mesh) {
+    std::vector<std::uint32_t> result;
+    if (mesh.position_of_point.size() == mesh.positions.size()) return result;
     constexpr std::uint32_t none = 0xffffffffu;
     std::vector<std::uint32_t> first(mesh.positions.size(), none);
-    result.first_at_position.reserve(result.points);
-    for (std::uint32_t p = 0; p < result.points; ++p) {
+    result.reserve(mesh.position_of_point.size());
+    for (std::uint32_t p = 0; p < mesh.position_of_point.size(); ++p) {
         std::uint32_t& of_position = first[mesh.position_of_point[p]];
-        result.first_at_position.push_back(of_position = std::min(of_position, p));
+        result.push_back(of_position = std::min(of_position, p));
     }
     return result;
 }

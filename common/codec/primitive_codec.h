@@ -56,8 +56,12 @@ Result<EncodedPrimitive> encode_primitive(std::span<const mesh::Triangle> triang
 Result<EncodedPrimitive> encode_lean_primitive(std::span<const mesh::Triangle> triangles,
                                                std::span<const Channel* const> channels);
 
-// What a decoder makes of a lean stream's mesh; attribute ids are those of encode_lean_primitive.
-DracoMesh points_of(LeanMesh mesh);
+// What a decoder makes of a lean stream's mesh: `values` hold three floats a point, or the attribute's components.
+void read_positions(const LeanMesh& mesh, std::span<float> values);
+void read_values(const LeanAttribute& attribute, std::span<float> values);
+void read_values(const LeanAttribute& attribute, std::span<std::uint8_t> values);
+// As of DracoMesh.
+std::vector<std::uint32_t> first_points(const LeanMesh& mesh);
 
 // Bytes of the stream alone: a Draco stream's, a lean one's.
 std::uint64_t measure_primitive(std::span<const mesh::Triangle> triangles, std::span<const Channel* const> channels);

@@ -159,7 +159,7 @@ std::string content_key(const LevelRequest& level, const Vec3d& center) {
     const SplitRequest& split = level.split;
     std::string key = "level/gain-2/" + std::to_string(level.triangles) + "/" + proto::shading_mode_name(split.mode);
     if (level.shell) key += "/outside";
-    if (level.profile == proto::Profile::lean) key += "/lean-mesh";
+    if (level.profile == proto::Profile::lean) key += "/lean-mesh-2";
     if (!level.textures.key.empty()) key += "/images" + level.textures.key;
     if (split.mode != proto::ShadingMode::hybrid || split.distance <= 0.0 || split.distance >= 1.0) {
         return key + (split.mode == proto::ShadingMode::hybrid ? (split.distance <= 0.0 ? "/near" : "/far") : "");

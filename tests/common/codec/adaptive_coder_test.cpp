@@ -9,12 +9,12 @@ namespace lodestream::codec {
 namespace {
 
 struct Coded {
-    std::vector<std::byte> decisions, bits;
-    AdaptiveDecoder decoder() const { return {decisions, bits}; }
+    std::vector<std::byte> symbols, bits;
+    AdaptiveDecoder decoder() const { return {symbols, bits}; }
 };
 
 Coded finish(AdaptiveEncoder& encoder) {
-    return {encoder.decisions(), encoder.whole_bits()};
+    return {encoder.symbols(), encoder.whole_bits()};
 }
 
 TEST(AdaptiveCoder, DecisionsOfAnyLikelihoodComeBack) {
@@ -41,24 +41,68 @@ TEST(AdaptiveCoder, TakesAboutTheEntropy) {
     Decision model;
     for (int i = 0; i < count; ++i) encoder.decide(model, yes(random));
     const double entropy = -count * (share * std::log2(share) + (1 - share) * std::log2(1 - share)) / 8;
-    const auto bytes = static_cast<double>(finish(encoder).decisions.size());
+    const auto bytes = static_cast<double>(finish(encoder).symbols.size());
     EXPECT_GE(bytes, 0.98 * entropy);
     EXPECT_LE(bytes, 1.03 * entropy);
 }
 
-// The greatest carry there is: a low end of all ones, to which something is added.
-TEST(AdaptiveCoder, CarriesRunThroughEveryWord) {
-    for (int seed = 0; seed < 2000; ++seed) {
-        std::mt19937 random(static_cast<unsigned>(seed));
+TEST(AdaptiveCoder, SymbolsOfAnyLikelihoodComeBack) {
+    for (const double share : {0.0, 0.01, 0.5, 0.99, 1.0}) {
+        std::mt19937 random(7);
+        std::binomial_distribution<std::size_t> any(SymbolModel::count - 1, share);
+        std::vector<std::size_t> told;
         AdaptiveEncoder encoder;
-        Decision model;
-        std::vector<bool> told;
-        for (int i = 0; i < 300; ++i) told.push_back(encoder.decide(model, random() % 64 == 0));
+        std::array<SymbolModel, 3> models;
+        for (std::size_t i = 0; i < 100'000; ++i) told.push_back(encoder.symbol(models[i % 3], any(random)));
         const Coded coded = finish(encoder);
         AdaptiveDecoder decoder = coded.decoder();
-        Decision again;
-        for (const bool value : told) ASSERT_EQ(decoder.decide(again), value) << seed;
+        models = {};
+        for (std::size_t i = 0; i < told.size(); ++i) ASSERT_EQ(decoder.symbol(models[i % 3]), told[i]) << i;
+        EXPECT_TRUE(decoder.is_at_end());
     }
+}
+
+TEST(AdaptiveCoder, SymbolsTakeAboutTheirEntropy) {
+    constexpr std::array<double, 4> shares{0.6, 0.25, 0.1, 0.05};
+    constexpr double count = 200'000;
+    std::mt19937 random(7);
+    std::discrete_distribution<std::size_t> any(shares.begin(), shares.end());
+    AdaptiveEncoder encoder;
+    SymbolModel model;
+    for (int i = 0; i < count; ++i) encoder.symbol(model, 3 * any(random));
+    double entropy = 0.0;
+    for (const double share : shares) entropy -= count * share * std::log2(share) / 8;
+    const auto bytes = static_cast<double>(finish(encoder).symbols.size());
+    EXPECT_GE(bytes, 0.98 * entropy);
+    EXPECT_LE(bytes, 1.03 * entropy);
+}
+
+// However long another one was all there was.
+TEST(AdaptiveCoder, NoSymbolEverLosesItsWholeShare) {
+    for (std::size_t always = 0; always < SymbolModel::count; ++always) {
+        SymbolModel model;
+        for (int i = 0; i < 10'000; ++i) model.learn(always);
+        std::uint32_t next = 0;
+        for (std::size_t symbol = 0; symbol < SymbolModel::count; ++symbol) {
+            const Share share = model.share(symbol);
+            EXPECT_EQ(share.first, next);
+            ASSERT_GE(share.size, 1u);
+            for (const std::uint32_t slot : {share.first, share.first + share.size - 1})
+                EXPECT_EQ(model.at(slot), symbol);
+            next += share.size;
+        }
+        EXPECT_EQ(next, whole_probability);
+    }
+}
+
+TEST(AdaptiveCoder, AModelThatKnowsWhatToExpectCostsLess) {
+    const auto bytes_of = [](NumberModel model) {
+        std::mt19937 random(7);
+        AdaptiveEncoder encoder;
+        for (int i = 0; i < 100; ++i) model.code(encoder, static_cast<std::int32_t>(random() % 64) + 64);
+        return finish(encoder).symbols.size();
+    };
+    EXPECT_LT(bytes_of(NumberModel(7)), bytes_of(NumberModel()));
 }
 
 TEST(AdaptiveCoder, WholeBitsOfEveryCountComeBack) {

@@ -195,11 +195,33 @@ TEST(LeanMesh, MoreThanTheLimitsIsRefused) {
 
 TEST(LeanMesh, FewBytesCannotAskForManyTriangles) {
     EncodedLeanMesh encoded = encode_lean_mesh(on_grid(testing::single_triangle()));
-    ASSERT_EQ(encoded.bytes[0], std::byte{1});
+    ASSERT_EQ(encoded.bytes[1], std::byte{1});
     // 2^28 - 1 triangles as a number of seven bits a byte.
     for (const std::byte byte : {std::byte{0xff}, std::byte{0xff}, std::byte{0xff}})
-        encoded.bytes.insert(encoded.bytes.begin(), byte);
+        encoded.bytes.insert(encoded.bytes.begin() + 1, byte);
     EXPECT_EQ(decode_lean_mesh(encoded.bytes, 1u << 30, 1u << 30).error().code, ErrorCode::invalid_input);
+}
+
+// Streams of before began with their triangles' count.
+TEST(LeanMesh, AnotherVersionIsRefused) {
+    EncodedLeanMesh encoded = encode_lean_mesh(on_grid(testing::sphere(8)));
+    ASSERT_EQ(encoded.bytes[0], std::byte{2});
+    for (const std::byte version : {std::byte{0}, std::byte{1}, std::byte{3}, std::byte{0xff}}) {
+        encoded.bytes[0] = version;
+        EXPECT_EQ(decode_lean_mesh(encoded.bytes, plenty, plenty).error().code, ErrorCode::invalid_input);
+    }
+    encoded.bytes.erase(encoded.bytes.begin());
+    EXPECT_FALSE(decode_lean_mesh(encoded.bytes, plenty, plenty).ok());
+}
+
+TEST(LeanMesh, OpacityThatIsFullIsNotTold) {
+    std::mt19937 random(1);
+    LeanMesh mesh = on_grid(testing::sphere(20));
+    add_attribute(mesh, LeanAttribute::Kind::color, random);
+    const std::size_t any = encode_lean_mesh(mesh).bytes.size();
+    for (std::size_t i = 3; i < mesh.attributes[0].values.size(); i += 4) mesh.attributes[0].values[i] = 255;
+    EXPECT_LT(encode_lean_mesh(mesh).bytes.size() + mesh.positions.size() * 3 / 4, any);
+    expect_comes_back(mesh);
 }
 
 TEST(LeanMesh, EveryTruncationIsAnError) {
