@@ -68,9 +68,11 @@ std::uint8_t step_number_for(double tolerance_degrees) {
 }
 
 // Two directions across `n` and each other (Duff et al. 2017).
-std::array<Vec3d, 2> frame_around(const Vec3d& n) {
-    const double sign = std::copysign(1.0, n.z), a = -1.0 / (sign + n.z), b = n.x * n.y * a;
-    return {Vec3d{1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x}, Vec3d{b, sign + n.y * n.y * a, -n.y}};
+template <class Vector>
+std::array<Vector, 2> frame_around(const Vector& n) {
+    using Number = typename Vector::value_type;
+    const Number one = 1, sign = std::copysign(one, n.z), a = -one / (sign + n.z), b = n.x * n.y * a;
+    return {Vector{one + sign * n.x * n.x * a, sign * b, -sign * n.x}, Vector{b, sign + n.y * n.y * a, -n.y}};
 }
 
 // Steps of `normal`'s stereographic coordinates around `base`, signs in the lowest bits.
@@ -87,15 +89,16 @@ std::array<std::uint32_t, 2> residual_of(const Vec3d& normal, const Vec3d& base,
     return result;
 }
 
-Vec3d moved_by(const Vec3d& base, const std::array<std::uint32_t, 2>& residual, double step) {
-    const std::array<Vec3d, 2> frame = frame_around(base);
-    std::array<double, 2> p{};
+// Of unit length where `base` is: the inverse of a stereographic projection.
+Vec3f moved_by(const Vec3f& base, const std::array<std::uint32_t, 2>& residual, float step) {
+    const std::array<Vec3f, 2> frame = frame_around(base);
+    std::array<float, 2> p{};
     for (std::size_t k = 0; k < 2; ++k) {
-        const std::uint32_t magnitude = residual[k] / 2;
-        const auto steps = static_cast<double>(magnitude);
-        p[k] = step * (residual[k] % 2 == 0 ? steps : -1.0 - steps);
+        const auto steps = static_cast<float>(residual[k] / 2);
+        p[k] = step * (residual[k] % 2 == 0 ? steps : -1.0f - steps);
     }
-    return unit_or(2.0 * (p[0] * frame[0] + p[1] * frame[1]) + (1.0 - p[0] * p[0] - p[1] * p[1]) * base, base);
+    const float square = p[0] * p[0] + p[1] * p[1];
+    return (2.0f * (p[0] * frame[0] + p[1] * frame[1]) + (1.0f - square) * base) * (1.0f / (1.0f + square));
 }
 
 // What a face counts in the mean around a position: its area, as normals have that simplification merged, or the sine
@@ -118,8 +121,7 @@ class Surface {
             for (std::uint32_t k = 0; k < 3; ++k) has_gouraud_[triangles_[t][k]] |= gouraud_[t];
         for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
             const Vec3f area = cross_product(triangles_[t]);
-            for (std::uint32_t k = 0; k < 3; ++k)
-                sums_[triangles_[t][k]] += weights_ == Weights::area ? area : by_sine(area, triangles_[t], k);
+            for (std::uint32_t k = 0; k < 3; ++k) sums_[triangles_[t][k]] += weighted(area, 3 * t + k);
         }
     }
 
@@ -147,8 +149,9 @@ class Surface {
     }
     std::size_t listed_corners() const { return corners_.size(); }
     Vec3f face(std::uint32_t corner) const { return cross_product(triangles_[corner / 3]); }
-    Vec3f weighted_face(std::uint32_t corner) const {
-        return weights_ == Weights::area ? face(corner) : by_sine(face(corner), triangles_[corner / 3], corner % 3);
+    // pre: `face` is the corner's
+    Vec3f weighted(const Vec3f& face, std::uint32_t corner) const {
+        return weights_ == Weights::area ? face : by_sine(face, triangles_[corner / 3], corner % 3);
     }
     // The mean over all faces around a position.
     Vec3f smooth(std::uint32_t position) const { return unit_or(sums_[position], up); }
@@ -195,7 +198,7 @@ class Groups {
     // new one. What is sent is by how much that is wrong.
     std::uint32_t expected() {
         const std::uint32_t corner = corners_[group_.size()];
-        const Vec3f unit = unit_or(surface_.face(corner), Vec3f{0.0f});
+        const Vec3f face = surface_.face(corner), unit = unit_or(face, Vec3f{0.0f});
         std::uint32_t result = std::min(new_group_, count_ - 1);
         float closest = least_cosine_within_group;
         const std::size_t skipped = unit_faces_.size() - std::min(unit_faces_.size(), max_compared);
@@ -205,7 +208,7 @@ class Groups {
             closest = cosine;
             result = group_[i];
         }
-        weighted_face_ = surface_.weighted_face(corner);
+        weighted_face_ = surface_.weighted(face, corner);
         unit_faces_.push_back(unit);
         return result;
     }
@@ -423,7 +426,7 @@ class Decoder {
         std::uint8_t step = 0;
         draco::RAnsBitDecoder flags;
         if (!buffer_.Decode(&step) || !flags.StartDecoding(&buffer_)) return false;
-        step_ = step_of(step);
+        step_ = static_cast<float>(step_of(step));
         is_off_.resize(groups_);
         std::size_t off = 0;
         for (std::uint8_t& flag : is_off_) off += flag = flags.DecodeNextBit() ? 1 : 0;
@@ -436,7 +439,7 @@ class Decoder {
         if (!is_off_[next_group_++]) return base;
         const std::array residual{residuals_[next_residual_], residuals_[next_residual_ + 1]};
         next_residual_ += 2;
-        return Vec3f(moved_by(Vec3d(base), residual, step_));
+        return moved_by(base, residual, step_);
     }
 
     // One of several groups; the first one's normal is the position's.
@@ -461,7 +464,7 @@ class Decoder {
     std::vector<std::uint8_t> is_off_;    // of each group
     Symbols surprises_, residuals_;
     std::size_t groups_ = 0, next_group_ = 0, next_surprise_ = 0, next_residual_ = 0;
-    double step_ = 1.0;
+    float step_ = 1.0f;
 };
 
 std::vector<std::byte> encode_with(Weights weights, const std::vector<Vec3f>& positions, const Triangles& triangles,

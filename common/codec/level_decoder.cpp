@@ -443,6 +443,9 @@ Primitive Reader::read_primitive(const json& primitive, mesh::Mesh mesh) const {
     return result;
 }
 
+// With one normal; beyond them a corner gets a vertex of its own without looking further.
+constexpr std::size_t max_compared_vertices = 64;
+
 void add_vertex_like(mesh::Mesh& mesh, std::uint32_t vertex) {
     const auto repeat = [&](auto& attribute) {
         if (!attribute.empty()) attribute.push_back(attribute[vertex]);
@@ -453,31 +456,30 @@ void add_vertex_like(mesh::Mesh& mesh, std::uint32_t vertex) {
     repeat(mesh.colors);
 }
 
-// Of one position; beyond them a corner gets a vertex of its own without looking further.
-constexpr std::size_t max_compared_vertices = 64;
-
 // Gives the mesh its normals. Corners with further ones become vertices of their own.
-void set_normals(mesh::Mesh& mesh, const LeanShading& lean, const std::vector<std::uint32_t>& first_at_position) {
-    mesh.normals = lean.normals;
-    for (std::uint32_t v = 0; v < first_at_position.size(); ++v) mesh.normals[v] = lean.normals[first_at_position[v]];
+void set_normals(mesh::Mesh& mesh, LeanShading& lean, const std::vector<std::uint32_t>& first_at_position) {
+    mesh.normals = std::move(lean.normals);
+    // The first one comes before the others.
+    for (std::uint32_t v = 0; v < first_at_position.size(); ++v) mesh.normals[v] = mesh.normals[first_at_position[v]];
+    constexpr std::uint32_t none = 0xffffffffu;
     struct Added {
-        std::uint32_t source, normal, vertex;
+        std::uint32_t source, before;  // the one added before with the same normal
     };
     std::vector<Added> added;
+    std::vector<std::uint32_t> last(lean.further_normals.size(), none);  // of each normal, the last one added
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
     for (const FurtherNormal& further : lean.further) {
         std::uint32_t& vertex = mesh.triangles[further.corner / 3][further.corner % 3];
-        const auto is_same = [&](const Added& a) { return a.source == vertex && a.normal == further.normal; };
-        const auto last = added.rbegin() + static_cast<std::ptrdiff_t>(std::min(added.size(), max_compared_vertices));
-        const auto found = std::find_if(added.rbegin(), last, is_same);
-        if (found == last) {
-            const auto number = static_cast<std::uint32_t>(mesh.positions.size());
+        std::uint32_t found = last[further.normal];
+        for (std::size_t i = 1; i < max_compared_vertices && found != none && added[found].source != vertex; ++i)
+            found = added[found].before;
+        if (found == none || added[found].source != vertex) {
+            found = static_cast<std::uint32_t>(added.size());
             add_vertex_like(mesh, vertex);
             mesh.normals.back() = lean.further_normals[further.normal];
-            added.push_back({vertex, further.normal, number});
-            vertex = number;
-        } else {
-            vertex = found->vertex;
+            added.push_back({vertex, std::exchange(last[further.normal], found)});
         }
+        vertex = first + found;
     }
 }
 
@@ -524,7 +526,7 @@ std::vector<Primitive> Reader::read_shaded(const json& json_primitive) {
     }
     require(primitive.shading == Shading::flat, "lean shading beside normals");
     const bool apart = first_at_position.empty();
-    const Result<LeanShading> lean = decode_lean_shading(
+    Result<LeanShading> lean = decode_lean_shading(
         primitive.mesh.positions,
         apart ? primitive.mesh.triangles : between_positions(primitive.mesh.triangles, first_at_position),
         take_view(whole(*view)));
