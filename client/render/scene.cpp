@@ -88,9 +88,10 @@ Vec3d direction(const Vec3d& v) {
     return largest > 0.0 ? normalize(v / largest) : Vec3d{0.0};
 }
 
+// Products of four floats' differences neither overflow nor vanish in double precision.
 bool faces_against_normals(const mesh::Mesh& m, const mesh::Triangle& t) {
     const Vec3d a(m.positions[t[0]]);
-    const Vec3d face = cross(direction(Vec3d(m.positions[t[1]]) - a), direction(Vec3d(m.positions[t[2]]) - a));
+    const Vec3d face = cross(Vec3d(m.positions[t[1]]) - a, Vec3d(m.positions[t[2]]) - a);
     const Vec3d normals = Vec3d(m.normals[t[0]]) + Vec3d(m.normals[t[1]]) + Vec3d(m.normals[t[2]]);
     return dot(face, normals) < 0.0;
 }

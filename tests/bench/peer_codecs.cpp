@@ -305,6 +305,12 @@ double draco_ms(const std::vector<std::span<const std::byte>>& streams, int turn
     });
 }
 
+double draco_arrays_ms(const std::vector<std::span<const std::byte>>& streams, int turns) {
+    return least_ms(turns, [&] {
+        for (const auto& stream : streams) (void)mesh_of(*decoded_by_draco(stream), 0);
+    });
+}
+
 Compressed by_draco(const mesh::Mesh& level, const DracoSettings& settings, int turns) {
     Compressed made;
     const std::vector<mesh::Mesh> parts = by_material(level);
@@ -319,6 +325,7 @@ Compressed by_draco(const mesh::Mesh& level, const DracoSettings& settings, int 
         mesh::append(made.decoded, mesh_of(*decoded_by_draco(streams[i]), mesh::material_of(parts[i], 0)));
     }
     made.decode_ms = draco_ms(spans, turns);
+    made.arrays_ms = draco_arrays_ms(spans, turns);
     return made;
 }
 

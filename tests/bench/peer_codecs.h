@@ -14,6 +14,7 @@ struct Compressed {
     std::uint64_t bytes = 0;
     double encode_ms = 0.0;  // CPU time
     double decode_ms = 0.0;  // likewise, the least of the turns
+    double arrays_ms = 0.0;  // Draco's alone: likewise, with arrays of floats and indices made of what it decodes
     mesh::Mesh decoded;
 };
 
@@ -29,8 +30,9 @@ struct DracoSettings {
 // std::runtime_error.
 Compressed by_draco(const mesh::Mesh& level, const DracoSettings& settings, int turns);
 
-// Of decoding these streams.
+// Of decoding these streams, to what Draco keeps or to arrays a renderer could be given.
 double draco_ms(const std::vector<std::span<const std::byte>>& streams, int turns);
+double draco_arrays_ms(const std::vector<std::span<const std::byte>>& streams, int turns);
 
 // As given, gltfpack's: EXT_meshopt_compression of integers, normals by the octahedral filter.
 struct MeshoptSettings {
