@@ -38,7 +38,7 @@ struct Share {
 class Decision {
   public:
     constexpr Decision() = default;
-    // Taken for what `seen` decisions were like. pre: percent within 1 ... 99, seen < slowest_rate
+    // Taken for what `seen` decisions were like. pre: percent within 1 … 99, seen < slowest_rate
     constexpr Decision(std::uint32_t percent, std::uint16_t seen)
         : yes_(static_cast<std::uint16_t>(percent * whole_probability / 100)), seen_(seen) {}
 

@@ -394,7 +394,10 @@ Result<DracoStream> DracoStream::decode(std::span<const std::byte> bytes, std::u
     try {
         Result<DecodedCloud> decoded = codec::decode(bytes, max_points, max_triangles);
         if (!decoded) return decoded.error();
-        return DracoStream(std::make_unique<Impl>(std::move(decoded->cloud), decoded->mesh));
+        auto impl = std::make_unique<Impl>();
+        impl->cloud = std::move(decoded->cloud);
+        impl->mesh = decoded->mesh;
+        return DracoStream(std::move(impl));
     } catch (const std::bad_alloc&) {
         return fail(ErrorCode::limit_exceeded, "Draco: not enough memory to decode");
     } catch (const std::exception& error) {
