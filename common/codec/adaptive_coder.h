@@ -20,12 +20,12 @@ inline constexpr int probability_bits = 15;
 inline constexpr std::uint32_t whole_probability = 1u << probability_bits;
 inline constexpr std::size_t slowest_rate = 60;  // symbols seen, from which on a model learns no slower
 
-// By symbols seen, what share of its surprise a model learns, of one << bits.
-template <int bits>
+// By symbols seen, what share of its surprise a model learns, of one << Bits.
+template <int Bits>
 constexpr std::array<std::int16_t, slowest_rate> rates_after(double before_any) {
     std::array<std::int16_t, slowest_rate> result{};
     for (std::size_t n = 0; n < result.size(); ++n)
-        result[n] = static_cast<std::int16_t>((1 << bits) / (static_cast<double>(n) + before_any));
+        result[n] = static_cast<std::int16_t>((1 << Bits) / (static_cast<double>(n) + before_any));
     return result;
 }
 

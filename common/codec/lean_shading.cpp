@@ -94,7 +94,8 @@ Vec3f moved_by(const Vec3f& base, const std::array<std::uint32_t, 2>& residual, 
     const std::array<Vec3f, 2> frame = frame_around(base);
     std::array<float, 2> p{};
     for (std::size_t k = 0; k < 2; ++k) {
-        const auto steps = static_cast<float>(residual[k] / 2);
+        const std::uint32_t magnitude = residual[k] / 2;
+        const auto steps = static_cast<float>(magnitude);
         p[k] = step * (residual[k] % 2 == 0 ? steps : -1.0f - steps);
     }
     const float square = p[0] * p[0] + p[1] * p[1];

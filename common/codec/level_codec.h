@@ -33,18 +33,27 @@ inline constexpr int min_position_bits = 6;
 inline constexpr int max_position_bits = 20;
 
 // How far rounding may move a level off its surface, RMS: this share of the error that the level has anyway, which
-// raises a picture's error by a few percent, and of its extent about what Draco's usual 14 bits cost.
-inline constexpr double off_surface_share_of_error = 0.35;
-inline constexpr double off_surface_share_of_extent = 0.29 / (1 << 14);
+// raises a picture's error by at most a twentieth, and of its extent about what Draco's usual 14 bits cost.
+inline constexpr double off_surface_share_of_error = 0.33;
+inline constexpr double off_surface_share_of_extent = 0.28 / (1 << 14);
 // Lean levels, whose bytes leave room for it, are closer.
 inline constexpr double lean_off_surface_share_of_extent = 0.22 / (1 << 14);
+// So are levels that show nothing but what rounding does: whose normals are off by less than this. Not where more than
+// so many of the normals have to be told, which takes the bytes.
+inline constexpr double faithful_normal_error_degrees = 1.0, most_told_normals_of_faithful = 0.6;
+inline constexpr double faithful_off_surface_share_of_extent = 0.18 / (1 << 14);
+inline constexpr double lean_faithful_off_surface_share_of_extent = 0.19 / (1 << 14);
+// Whether both hold. pre: triangles refer to vertices
+bool is_faithful(const mesh::Mesh& level, double normal_error_degrees);
 // And no step is larger than this share of the mean edge.
 inline constexpr double steps_per_edge = 8.0;
 
 // The grid from the corner of `bounds` on with about the largest step that keeps `level`, which is `error` (RMS, model
-// units) off the full model, within these limits if it is rounded along its surface. It may reach beyond `bounds`: the
-// codes that are left over cost nothing, half a bit of each coordinate would. pre: `bounds` holds the level
-QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double error, bool lean = false);
+// units) and whose normals are `normal_error_degrees` off the full model, within these limits if it is rounded along
+// its surface. It may reach beyond `bounds`: the codes that are left over cost nothing, half a bit of each coordinate
+// would. pre: `bounds` holds the level
+QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double error, double normal_error_degrees,
+                          bool lean = false);
 
 // For content that must meet other content, and so is rounded to the nearest point: the step always resolves 1/16 of
 // the mean edge, and never more than 1/64 of it: a finer one no longer tilts a triangle by as much as 8-bit normals do,
@@ -93,10 +102,11 @@ int fit_normal_bits(double tolerance_degrees);
 inline constexpr double normal_tolerance_share_of_error = 0.6;
 inline constexpr double least_normal_tolerance_degrees = 0.7;
 inline constexpr double least_lean_normal_tolerance_degrees = 0.42;
+inline constexpr double faithful_normal_tolerance_degrees = 0.5;  // of plain levels that are is_faithful()
 inline constexpr double largest_normal_tolerance_degrees = 8.0;
 
 // Sets both, for a lean level where `options` say so.
-void fit_normals(EncodeOptions& options, double normal_error_degrees);
+void fit_normals(EncodeOptions& options, const mesh::Mesh& level, double normal_error_degrees);
 
 struct Encoded {
     std::vector<std::byte> glb;

@@ -50,6 +50,30 @@ QuantizationGrid with_step(const QuantizationGrid& finest, double step) {
     return grid;
 }
 
+// Of the vertices with normals, the share of those whose normal is farther off the mean of their triangles' than what
+// is derived from those may be.
+double share_of_told_normals(const mesh::Mesh& level) {
+    if (level.normals.size() != level.positions.size()) return 0.0;
+    std::vector<Vec3d> sums(level.positions.size(), Vec3d{0.0});
+    for (const mesh::Triangle& t : level.triangles) {
+        const Vec3d a(level.positions[t[0]]);
+        const Vec3d area = cross(Vec3d(level.positions[t[1]]) - a, Vec3d(level.positions[t[2]]) - a);
+        for (const std::uint32_t v : t) sums[v] += area;
+    }
+    const double least_cosine = std::cos(radians(least_normal_tolerance_degrees));
+    std::size_t told = 0;
+    for (std::size_t v = 0; v < sums.size(); ++v) {
+        const Vec3d normal(level.normals[v]);
+        told += dot(sums[v], normal) < least_cosine * length(sums[v]) * length(normal) ? 1 : 0;
+    }
+    return static_cast<double>(told) / static_cast<double>(std::max<std::size_t>(sums.size(), 1));
+}
+
+double share_of_extent(bool faithful, bool lean) {
+    if (lean) return faithful ? lean_faithful_off_surface_share_of_extent : lean_off_surface_share_of_extent;
+    return faithful ? faithful_off_surface_share_of_extent : off_surface_share_of_extent;
+}
+
 // 0 where nothing is known to measure the step by.
 double wanted_step(double error, double mean_edge_length) {
     const double by_error = positive(error) ? error / (2.0 * std::sqrt(3.0)) : 0.0;
@@ -79,11 +103,16 @@ QuantizationGrid choose_grid(const Box& bounds, double error, double mean_edge_l
     return grid;
 }
 
-QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double error, bool lean) {
+bool is_faithful(const mesh::Mesh& level, double normal_error_degrees) {
+    return normal_error_degrees < faithful_normal_error_degrees &&
+           share_of_told_normals(level) <= most_told_normals_of_faithful;
+}
+
+QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double error, double normal_error_degrees,
+                          bool lean) {
     const QuantizationGrid finest = choose_grid(bounds, 0.0, 0.0);
-    const double allowed =
-        std::hypot(off_surface_share_of_error * (positive(error) ? error : 0.0),
-                   (lean ? lean_off_surface_share_of_extent : off_surface_share_of_extent) * finest.range);
+    const double allowed = std::hypot(off_surface_share_of_error * (positive(error) ? error : 0.0),
+                                      share_of_extent(is_faithful(level, normal_error_degrees), lean) * finest.range);
     // Rounding along a surface gains less than three bits on the nearest point, which is off by 0.29 steps.
     double largest = std::min(30.0 * allowed, finest.range / (std::ldexp(1.0, min_position_bits) - 1.0));
     if (const double edge = mesh::mean_edge_length(level); positive(edge))
@@ -114,8 +143,10 @@ int fit_normal_bits(double tolerance_degrees) {
         static_cast<int>(std::ceil(std::log2(normal_steps_per_tolerance * around / tolerance_degrees) - 1e-9)), 4, 10);
 }
 
-void fit_normals(EncodeOptions& options, double normal_error_degrees) {
+void fit_normals(EncodeOptions& options, const mesh::Mesh& level, double normal_error_degrees) {
     options.normal_tolerance_degrees = fit_normal_tolerance_degrees(normal_error_degrees, options.lean);
+    if (!options.lean && is_faithful(level, normal_error_degrees))
+        options.normal_tolerance_degrees = faithful_normal_tolerance_degrees;
     options.normal_bits = fit_normal_bits(options.normal_tolerance_degrees);
 }
 

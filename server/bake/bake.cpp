@@ -366,8 +366,8 @@ codec::EncodeOptions level_options(const Box& grid_bounds, const mesh::Mesh& lev
                                    bool lean) {
     codec::EncodeOptions options;
     options.lean = lean;
-    options.grid = codec::fit_grid(grid_bounds, level, error.rms, lean);
-    codec::fit_normals(options, error.normal_degrees);
+    options.grid = codec::fit_grid(grid_bounds, level, error.rms, error.normal_degrees, lean);
+    codec::fit_normals(options, level, error.normal_degrees);
     return options;
 }
 

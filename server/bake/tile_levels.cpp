@@ -67,7 +67,7 @@ Result<codec::Encoded> encode_tile(const Surface& surface, const metric::Surface
     codec::EncodeOptions options;
     options.grid = tile_grid(surface.mesh, error);
     options.rounding = codec::Rounding::nearest;  // neighbours have borders in common
-    codec::fit_normals(options, error.normal_degrees);
+    codec::fit_normals(options, surface.mesh, error.normal_degrees);
     const std::vector<std::uint8_t> all_gouraud(surface.mesh.triangles.size(), 1);
     if (!surface.is_bare) {
         options.images = std::move(images);

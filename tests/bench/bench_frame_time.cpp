@@ -56,7 +56,7 @@ codec::Decoded sent(const mesh::Model& model, const mesh::Mesh& level, Mode mode
     if (mode == Mode::hybrid)
         std::fill_n(gouraud.begin(), static_cast<std::ptrdiff_t>(gouraud.size() / 2), std::uint8_t{1});
     codec::EncodeOptions options;
-    options.grid = codec::fit_grid(mesh::bounds(level), level, 0.0);
+    options.grid = codec::fit_grid(mesh::bounds(level), level, 0.0, 0.0);
     options.lean = true;
     return value_of(codec::decode_level(value_of(codec::encode_level(model, level, gouraud, options)).glb));
 }

@@ -37,7 +37,7 @@ codec::Decoded sent(const mesh::Model& model, const mesh::Mesh& level) {
     for (std::size_t t = 0; t < gouraud.size(); ++t) gouraud[t] = t / 30 % 2;
     if (level.triangles.size() > most_coded) return render::drawable(model, level, gouraud);
     codec::EncodeOptions options;
-    options.grid = codec::fit_grid(mesh::bounds(level), level, 0.0);
+    options.grid = codec::fit_grid(mesh::bounds(level), level, 0.0, 0.0);
     return value_of(codec::decode_level(value_of(codec::encode_level(model, level, gouraud, options)).glb));
 }
 

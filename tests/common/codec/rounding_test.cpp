@@ -123,12 +123,15 @@ TEST(SurfaceRounding, DegenerateAndExtremeInputStaysFinite) {
     EXPECT_EQ(SurfaceRounding({}, {}).round({}).off_surface_rms, 0.0);
 }
 
+// Of levels whose surface says nothing of how well they are shown.
+constexpr double error_degrees = 2.0 * faithful_normal_error_degrees;
+
 TEST(FitGrid, KeepsRoundingBelowItsShareOfTheErrorAndTheExtent) {
     const mesh::Mesh sphere = testing::sphere(32);
     double last_step = 0.0;
     int last_bits = max_position_bits + 1;
     for (const double error : {0.0, 1e-4, 1e-3, 1e-2, 0.1}) {
-        const QuantizationGrid grid = fit_grid(mesh::bounds(sphere), sphere, error);
+        const QuantizationGrid grid = fit_grid(mesh::bounds(sphere), sphere, error, error_degrees);
         const double off = SurfaceRounding(sphere.positions, sphere.triangles).round(grid).off_surface_rms;
         EXPECT_LE(off, std::hypot(off_surface_share_of_error * error, off_surface_share_of_extent * grid.range));
         EXPECT_GE(grid.step(), last_step);
@@ -144,7 +147,7 @@ TEST(FitGrid, UsesWhatItMayBecauseStepsNeedNotHalve) {
     const mesh::Mesh sphere = testing::sphere(64);
     const Box bounds = mesh::bounds(sphere);
     for (const double error : {2e-4, 2.5e-4, 3e-4, 3.5e-4, 4e-4}) {
-        const QuantizationGrid grid = fit_grid(bounds, sphere, error);
+        const QuantizationGrid grid = fit_grid(bounds, sphere, error, error_degrees);
         const double allowed =
             std::hypot(off_surface_share_of_error * error, off_surface_share_of_extent * bounds.extent().x);
         const double off = SurfaceRounding(sphere.positions, sphere.triangles).round(grid).off_surface_rms;
@@ -155,12 +158,30 @@ TEST(FitGrid, UsesWhatItMayBecauseStepsNeedNotHalve) {
     }
 }
 
+TEST(FitGrid, IsFinerWhereRoundingIsAllThatShowsAndFewNormalsAreTold) {
+    mesh::Mesh sphere = testing::sphere(48);
+    const Box bounds = mesh::bounds(sphere);
+    sphere.normals = sphere.positions;
+    for (Vec3f& n : sphere.normals) n = normalize(n);
+    for (const bool lean : {false, true}) {
+        const double coarse = fit_grid(bounds, sphere, 0.0, error_degrees, lean).step();
+        EXPECT_LT(fit_grid(bounds, sphere, 0.0, 0.0, lean).step(), 0.9 * coarse);
+        mesh::Mesh told = sphere;
+        for (Vec3f& n : told.normals) n = normalize(n + Vec3f(0.1f, 0.2f, 0.0f));
+        EXPECT_EQ(fit_grid(bounds, told, 0.0, 0.0, lean).step(), coarse);
+    }
+    EncodeOptions faithful, other;
+    fit_normals(faithful, sphere, 0.0);
+    fit_normals(other, sphere, error_degrees);
+    EXPECT_LT(faithful.normal_tolerance_degrees, other.normal_tolerance_degrees);
+}
+
 TEST(FitGrid, HoldsItsLevelNearTheLargestFloats) {
     mesh::Mesh sphere = testing::sphere(8);
     for (Vec3f& p : sphere.positions) p = 1.6e38f * p;
     for (const double error : {0.0, 1e36, 1e38}) {
         const Box bounds = mesh::bounds(sphere);
-        const QuantizationGrid grid = fit_grid(bounds, sphere, error);
+        const QuantizationGrid grid = fit_grid(bounds, sphere, error, error_degrees);
         EXPECT_TRUE(std::isfinite(grid.range));
         EXPECT_GE(double(grid.origin.x) + double(grid.range), bounds.max.x);
     }
@@ -173,7 +194,7 @@ TEST(FitGrid, AnswersForAnyLevel) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     for (const mesh::Mesh& mesh : {mesh::Mesh{}, point, sheet(1)})
         for (const double error : {0.0, -1.0, 1e300, nan, std::numeric_limits<double>::infinity()}) {
-            const QuantizationGrid grid = fit_grid(mesh::bounds(mesh), mesh, error);
+            const QuantizationGrid grid = fit_grid(mesh::bounds(mesh), mesh, error, error_degrees);
             EXPECT_GE(grid.bits, min_position_bits);
             EXPECT_LE(grid.bits, max_position_bits);
             EXPECT_GT(grid.range, 0.0f);
