@@ -173,7 +173,8 @@ const Ownership* ownership(const std::string& include) {
 }
 
 bool is_system_header(const std::string& include) {
-    static const std::set<std::string> c_library{"unistd.h", "fcntl.h", "signal.h", "poll.h", "netdb.h", "malloc.h"};
+    static const std::set<std::string> c_library{"unistd.h", "fcntl.h",  "signal.h", "poll.h",
+                                                 "netdb.h",  "malloc.h", "sched.h"};
     return include.find_first_of("./") == std::string::npos || include.starts_with("sys/") ||
            include.starts_with("netinet/") || include.starts_with("arpa/") || c_library.contains(include);
 }
