@@ -65,8 +65,8 @@ inline constexpr std::uint32_t settle_frames = 240;  // of `predictive`: no swit
 struct PredictiveOptions {
     FrameCosts first_guess;  // from the probe where there is one
     double deadline_share =
-        0.92;                     // of the deadline that a frame may be predicted to take; lower: fewer misses, coarser
-    double refine_share = 0.82;   // of the deadline, for a finer level; lower: fewer switches, coarser
+        0.94;                     // of the deadline that a frame may be predicted to take; lower: fewer misses, coarser
+    double refine_share = 0.86;   // of the deadline, for a finer level; lower: fewer switches, coarser
     double look_ahead_s = 0.10;   // along the motion; longer: earlier coarsening
     double hold_s = 0.08;         // finer only where what moved within it would fit; longer: fewer switches, coarser
     double refine_wait_s = 0.10;  // between a coarser and a finer level; likewise

@@ -172,10 +172,10 @@ TEST(Predictive, FollowsADeviceThatBecomesSlower) {
 }
 
 TEST(Predictive, BetweenTheTwoSharesAViewThatTurnsKeepsItsLevel) {
-    // Level 0 takes 11 ms and 3 % of safety: more than 0.82 of a deadline of 13 ms, less than 0.92 of it.
+    // Level 0 takes 11 ms and 3 % of safety: more than 0.86 of a deadline of 12.5 ms, less than 0.94 of it.
     Session fine, coarse;
     fine.frames(200, {}, 8.0);
-    fine.options.target_fps = coarse.options.target_fps = 1000.0 / 13.0;
+    fine.options.target_fps = coarse.options.target_fps = 1000.0 / 12.5;
     fine.frames(200, {}, 8.0);
     EXPECT_EQ(fine.level(), 0u);
     coarse.frames(400, {}, 8.0);
