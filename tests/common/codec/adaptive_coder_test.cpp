@@ -109,14 +109,15 @@ TEST(AdaptiveCoder, AModelThatKnowsWhatToExpectCostsLess) {
 }
 
 TEST(AdaptiveCoder, WholeBitsOfEveryCountComeBack) {
+    const auto lowest = [](int count) { return static_cast<std::uint32_t>(0xd555'5555u & ((1ull << count) - 1u)); };
     AdaptiveEncoder encoder;
     for (int round = 0; round < 3; ++round)
-        for (int count = 0; count <= max_bits_at_once; ++count) encoder.bits(0x155'5555u & ((1u << count) - 1u), count);
+        for (int count = 0; count <= max_bits_at_once; ++count) encoder.bits(lowest(count), count);
     const Coded coded = finish(encoder);
     AdaptiveDecoder decoder = coded.decoder();
     for (int round = 0; round < 3; ++round)
         for (int count = 0; count <= max_bits_at_once; ++count)
-            ASSERT_EQ(decoder.bits(0, count), 0x155'5555u & ((1u << count) - 1u)) << count;
+            ASSERT_EQ(decoder.bits(0, count), lowest(count)) << count;
     EXPECT_TRUE(decoder.is_at_end());
 }
 
