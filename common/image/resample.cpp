@@ -5,17 +5,12 @@
 #include <cassert>
 #include <cmath>
 
+#include "common/base/srgb.h"
+
 namespace lodestream::image {
 namespace {
 
 constexpr std::size_t light_steps = 1 << 16;  // fine enough to tell all 8-bit sRGB steps apart
-
-float light_of_srgb(double srgb) {
-    return static_cast<float>(srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4));
-}
-double srgb_of_light(double light) {
-    return light <= 0.0031308 ? light * 12.92 : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055;
-}
 
 std::uint8_t to_byte(double value) {
     return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
@@ -25,7 +20,7 @@ std::array<float, 256> to_light_table(Content content) {
     std::array<float, 256> table{};
     for (std::size_t i = 0; i < table.size(); ++i) {
         const double value = static_cast<double>(i) / 255.0;
-        table[i] = content == Content::data ? static_cast<float>(value) : light_of_srgb(value);
+        table[i] = static_cast<float>(content == Content::data ? value : light_of_srgb(value));
     }
     return table;
 }

@@ -8,14 +8,18 @@
 
 #include "common/base/directions.h"
 #include "common/base/raster.h"
+#include "common/base/srgb.h"
 #include "common/mesh/operations.h"
 #include "common/points/view.h"
+#include "common/shading/numbers.h"
 #include "common/shading/phong.h"
 #include "common/shading/view.h"
 
 namespace lodestream::points {
 
 namespace {
+
+using shading::unit_or_zero;
 
 constexpr std::size_t pixels = std::size_t{picture_side} * picture_side;
 constexpr double nothing = -std::numeric_limits<double>::infinity();
@@ -46,11 +50,6 @@ Camera camera_of(std::size_t view, const Box& box) {
     return camera;
 }
 
-Vec3d unit_or_zero(const Vec3d& v) {
-    const double size = length(v);
-    return size > 0.0 ? v / size : Vec3d(0.0);
-}
-
 struct Light {
     double diffuse = 0.0, specular = 0.0;
 };
@@ -66,7 +65,7 @@ Light light_on(const Vec3d& normal, const Vec3d& to_eye) {
 }
 
 double srgb(double light) {
-    return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(std::min(light, 1.0), 1.0 / 2.4) - 0.055;
+    return srgb_of_light(std::min(light, 1.0));
 }
 
 Vec3f shown(const Light& light, const Vec3d& color) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/base/srgb.h"
 #include "common/mesh/operations.h"
 #include "common/shading/numbers.h"
 
@@ -16,8 +17,7 @@ constexpr double nearest_eye_share = 1e-2;  // of the longest edge: an eye in th
 
 // Linear light as an 8-bit sRGB display shows it, [0, 1] to [0, 1].
 double displayed(double linear) {
-    const double x = std::clamp(finite_or_zero(linear), 0.0, 1.0);
-    return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
+    return srgb_of_light(std::clamp(finite_or_zero(linear), 0.0, 1.0));
 }
 
 // The steepest fall of cos^s over an angle, a radian: at tan²(angle) = 1/(s - 1). Unbounded below s = 1.

@@ -1,4 +1,4 @@
-// Numbers that may come from broken meshes, made safe; private to this folder.
+// Numbers that may come from broken meshes, made safe.
 #pragma once
 
 #include <algorithm>

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/srgb.h"
+
 namespace lodestream::bake {
 
 namespace {
 
 float linear(std::uint8_t srgb) {
-    const double x = srgb / 255.0;
-    return static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
+    return static_cast<float>(light_of_srgb(srgb / 255.0));
 }
 
 // The texel that shows at a coordinate, of `size`.

@@ -29,6 +29,7 @@
 #include "tests/bench/process_memory.h"
 #include "tests/bench/stopwatch.h"
 #include "tests/bench/table.h"
+#include "tests/bench/value_of.h"
 
 namespace lodestream::bench {
 namespace {
@@ -94,12 +95,6 @@ double longest_side(const Box& box) {
 double median(std::vector<double> values) {
     std::ranges::sort(values);
     return values[values.size() / 2];
-}
-
-template <class T>
-T checked(Result<T> result) {
-    if (!result) throw std::runtime_error(result.error().message);
-    return *std::move(result);
 }
 
 std::string stem_of(const std::string& name) {
@@ -203,9 +198,9 @@ class Bench {
   public:
     explicit Bench(Arguments arguments)
         : arguments_(std::move(arguments)),
-          context_(checked(render::create_headless_context())),
-          full_(checked(render::Renderer::create())),
-          points_(checked(render::Renderer::create())) {
+          context_(value_of(render::create_headless_context())),
+          full_(value_of(render::Renderer::create())),
+          points_(value_of(render::Renderer::create())) {
         how_.executor = bake::all_cores();
     }
 
@@ -283,8 +278,8 @@ class Bench {
     // Full model and points, each on its renderer.
     report::CrowdModel upload(const mesh::Model& model, const codec::Points& points, const PointLevels& levels) {
         const codec::Decoded content = render::drawable(model, model.mesh);
-        checked(full_.upload(content));
-        checked(points_.upload(points));
+        value_of(full_.upload(content));
+        value_of(points_.upload(points));
         silhouettes_.emplace(content);
         return {*silhouettes_, points_, render::world_bounds(content), levels};
     }
@@ -302,7 +297,7 @@ class Bench {
             report::CrowdOptions options;
             options.side = arguments_.side;
             options.directions = arguments_.directions;
-            const report::CrowdScore scored = checked(report::score_crowd(crowd, options));
+            const report::CrowdScore scored = value_of(report::score_crowd(crowd, options));
             proto::PointsScore row;
             row.model = stem_of(name);
             row.is_scaled = is_scaled;
@@ -337,8 +332,8 @@ class Bench {
         options.instances = report::crowd_of(crowd, sides, view.eye);
         std::vector<Panel> panels;
         const auto add_pair = [&](const std::string& of_what) {
-            panels.push_back({of_what + ", full", checked(full_.draw(view, options)).image});
-            panels.push_back({of_what + ", points", checked(points_.draw(view, options)).image});
+            panels.push_back({of_what + ", full", value_of(full_.draw(view, options)).image});
+            panels.push_back({of_what + ", points", value_of(points_.draw(view, options)).image});
         };
         add_pair("crowd at 36 radii");
         view.eye = view.target + panel_direction * (2.9 * radius);
@@ -360,7 +355,7 @@ class Bench {
             labels.push_back(panel.label);
         }
         const render::Image joined = render::side_by_side(images);
-        const std::vector<std::byte> png = checked(image::encode_small_png(joined));
+        const std::vector<std::byte> png = value_of(image::encode_small_png(joined));
         const std::string bytes(reinterpret_cast<const char*>(png.data()), png.size());
         run_.pictures.push_back({stem_of(name), title, report::base64(bytes), std::move(labels)});
         if (arguments_.picture_folder.empty()) return;
@@ -374,7 +369,7 @@ class Bench {
     void vary(const std::string& name) {
         const mesh::Model model = load(name);
         const Varied varied{name, model, views_around(model)};
-        checked(full_.upload(render::drawable(model, model.mesh)));
+        value_of(full_.upload(render::drawable(model, model.mesh)));
         const std::uint32_t finest = paper_steps.front();
         std::vector<Panel> panels;
         const auto begin = [&] { panels = {{"full model", panel(full_, model)}}; };
@@ -428,16 +423,16 @@ class Bench {
         row.points = cloud.cloud.positions.size();
         look_from_around(varied.views, cloud, row);
         run_.settings.push_back(row);
-        checked(points_.upload(cloud));
+        value_of(points_.upload(cloud));
         return panel(points_, varied.model);
     }
 
     // How the silhouettes of one instance match, and the holes of what faces the eye.
     void look_from_around(const std::vector<CloseView>& views, const codec::Points& cloud, proto::PointsSetting& row) {
         const auto drawn = [&](const codec::Points& content, const CloseView& from) {
-            checked(points_.upload(content));
+            value_of(points_.upload(content));
             return report::silhouette(
-                checked(points_.draw(from.view, report::silhouette_options({close_side, close_side}))).image);
+                value_of(points_.draw(from.view, report::silhouette_options({close_side, close_side}))).image);
         };
         report::SilhouetteScore score;
         for (const CloseView& from : views) {
@@ -457,14 +452,14 @@ class Bench {
         view.eye = view.target + panel_direction * (2.4 * bounds.radius());
         render::DrawOptions options;
         options.width = options.height = panel_side;
-        return checked(renderer.draw(view, options)).image;
+        return value_of(renderer.draw(view, options)).image;
     }
 
     // What a plan weighs against each other (server/planner/point_level.h): the RMS distance of the level of triangles
     // whose picture errs as much as that of the points, over the radius of their discs.
     void compare_with_levels(const std::string& name) {
         const mesh::Model model = load(name);
-        const simplify::History history = checked(simplify::record_history(mesh::Mesh(model.mesh)));
+        const simplify::History history = value_of(simplify::record_history(mesh::Mesh(model.mesh)));
         const metric::SurfaceIndex index(model.mesh);
         const codec::Points cloud = make_cloud(model, model.mesh.triangles.size() / 2);
         const report::CrowdModel crowd = upload(model, cloud, {});
@@ -473,10 +468,10 @@ class Bench {
         render::DrawOptions options;
         options.width = options.height = 800;
         options.samples = 1;
-        const render::Image full = checked(full_.draw(view, options)).image;
+        const render::Image full = value_of(full_.draw(view, options)).image;
         const double px = shading::pixels_per_unit(view, crowd.bounds, {options.width, options.height});
         const auto error_of = [&](render::Renderer& renderer) {
-            return checked(render::compare(full, checked(renderer.draw(view, options)).image)).rms;
+            return value_of(render::compare(full, value_of(renderer.draw(view, options)).image)).rms;
         };
         for (std::uint64_t points = 64; points <= cloud.cloud.positions.size(); points *= 4) {
             options.instances = {{{}, points}};
@@ -484,7 +479,7 @@ class Bench {
             std::uint64_t low = 4, high = model.mesh.triangles.size();
             while (low + low / 16 + 1 < high) {
                 const std::uint64_t middle = (low + high) / 2;
-                checked(full_.upload(render::drawable(model, simplify::cut(history, middle))));
+                value_of(full_.upload(render::drawable(model, simplify::cut(history, middle))));
                 (error_of(full_) > error ? low : high) = middle;
             }
             const double rms = metric::measure(index, model.mesh, simplify::cut(history, high)).rms * px;
@@ -555,7 +550,7 @@ class Bench {
         for (int turn = 0; turn < (row.full_triangles <= repeated_crowd_triangles ? turns : 1); ++turn) {
             const auto timed = [&](render::Renderer& renderer, std::vector<double>& cpu_ms) {
                 const Stopwatch watch;
-                const render::Frame frame = checked(renderer.draw(view, options));
+                const render::Frame frame = value_of(renderer.draw(view, options));
                 cpu_ms.push_back(watch.elapsed().cpu_ms);
                 return frame;
             };

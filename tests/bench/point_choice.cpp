@@ -11,6 +11,7 @@
 #include "common/codec/points_codec.h"
 #include "server/planner/planner.h"
 #include "server/store/store.h"
+#include "tests/bench/value_of.h"
 
 namespace lodestream::bench {
 namespace {
@@ -18,24 +19,18 @@ namespace {
 constexpr std::uint64_t max_content_bytes = 1ull << 30;
 constexpr double unlimited_mhz = 1e9;
 
-template <class T>
-T checked(Result<T> result) {
-    if (!result) throw std::runtime_error(result.error().message);
-    return *std::move(result);
-}
-
 class ChoiceBench {
   public:
     explicit ChoiceBench(const std::filesystem::path& folder)
-        : store_(checked(store::Store::open(folder))),
-          full_(checked(render::Renderer::create())),
-          level_(checked(render::Renderer::create())) {}
+        : store_(value_of(store::Store::open(folder))),
+          full_(value_of(render::Renderer::create())),
+          level_(value_of(render::Renderer::create())) {}
 
     void run(std::vector<proto::PointsChoice>& choices, const std::function<void()>& keep) {
-        for (const proto::Asset& asset : checked(store_.assets())) {
+        for (const proto::Asset& asset : value_of(store_.assets())) {
             if (asset.status != proto::AssetStatus::ready || asset.hierarchy) continue;
             upload_full(asset);
-            for (const report::DeviceClass& device : checked(report::device_classes())) {
+            for (const report::DeviceClass& device : value_of(report::device_classes())) {
                 if (std::ranges::count(choice_devices, device.name) == 0) continue;
                 for (const double distance : report::choice_distances) compare_at(asset, device, distance, choices);
             }
@@ -46,7 +41,7 @@ class ChoiceBench {
   private:
     std::vector<std::byte> bytes_of(const proto::PlanResponse& plan) const {
         const std::string hash = plan.content.url.substr(plan.content.url.rfind('/') + 1, 64);
-        return checked(store::read_file(checked(store_.file(hash, "glb")).path, max_content_bytes));
+        return value_of(store::read_file(value_of(store_.file(hash, "glb")).path, max_content_bytes));
     }
 
     void upload_full(const proto::Asset& asset) {
@@ -55,8 +50,8 @@ class ChoiceBench {
         request.budget.device.cpu_mhz = unlimited_mhz;
         request.budget.preference.target_fps = budget::min_target_fps;
         request.shading = proto::ShadingMode::gouraud;
-        const codec::Decoded content = checked(codec::decode_level(bytes_of(checked(planner_.plan(request)))));
-        checked(full_.upload(content));
+        const codec::Decoded content = value_of(codec::decode_level(bytes_of(value_of(planner_.plan(request)))));
+        value_of(full_.upload(content));
         bounds_ = render::world_bounds(content);
     }
 
@@ -121,7 +116,7 @@ class ChoiceBench {
     void add_plan(proto::PlanRequest request, double distance, proto::PointsChoice& choice) {
         request.primitives = proto::Primitives::any;
         request.view = view_at(distance, 0);
-        const proto::PlanResponse plan = checked(planner_.plan(request));
+        const proto::PlanResponse plan = value_of(planner_.plan(request));
         choice.chose_points = plan.level.points > 0;
         if (plan.crossing && plan.crossing->distance) choice.crossing = *plan.crossing->distance / bounds_.radius();
     }
@@ -137,15 +132,15 @@ class ChoiceBench {
         double squares = 0.0, covered = 0.0;
         for (std::size_t direction = 0; direction < choice_views; ++direction) {
             request.view = view_at(distance, direction);
-            const proto::PlanResponse plan = checked(planner_.plan(request));
+            const proto::PlanResponse plan = value_of(planner_.plan(request));
             const std::vector<std::byte> bytes = bytes_of(plan);
-            checked(plan.level.points > 0 ? level_.upload(checked(codec::decode_points(bytes)).content)
-                                          : level_.upload(checked(codec::decode_level(bytes))));
+            value_of(plan.level.points > 0 ? level_.upload(value_of(codec::decode_points(bytes)).content)
+                                           : level_.upload(value_of(codec::decode_level(bytes))));
             if (direction == 0) shown.count = plan.level.points + plan.level.triangles;
             const render::Image& full = full_pictures_[direction];
-            const auto off = checked(render::compare(full, picture(level_, *request.view, *request.budget.display)));
+            const auto off = value_of(render::compare(full, picture(level_, *request.view, *request.budget.display)));
             squares += off.rms * off.rms * static_cast<double>(off.compared_pixels);
-            covered += static_cast<double>(checked(render::compare(full, full)).compared_pixels);
+            covered += static_cast<double>(value_of(render::compare(full, full)).compared_pixels);
         }
         shown.percent = covered > 0.0 ? 100.0 / 255.0 * std::sqrt(squares / covered) : 0.0;
         return shown;
@@ -157,7 +152,7 @@ class ChoiceBench {
         drawing.width = display.width;
         drawing.height = display.height;
         drawing.samples = 1;
-        return checked(renderer.draw(view, drawing)).image;
+        return value_of(renderer.draw(view, drawing)).image;
     }
 
     store::Store store_;
