@@ -10,8 +10,8 @@ namespace lodestream::probe {
 
 namespace {
 
-constexpr std::size_t costs = 7;
-constexpr int most_rounds = 20'000;         // of the fit; 7 x 7 products each
+constexpr std::size_t costs = 8;
+constexpr int most_rounds = 20'000;         // of the fit; 8 x 8 products each
 constexpr double settled_share = 1e-9;      // of a cost that no round changes by more
 constexpr double negligible_share = 1e-12;  // of the pictures' time: a column that no picture has
 constexpr double million = 1e6;
@@ -25,6 +25,7 @@ Row units(const control::Work& work) {
             work.vertices / million,
             work.pixels / million,
             work.covered_px / million,
+            work.shaded_px / million,
             work.textured_px / million,
             work.extent_px / million};
 }
@@ -82,24 +83,27 @@ control::FrameCosts fit_costs(std::span<const TimedPicture> pictures) {
     out.per_million_vertices_ms = c[2];
     out.per_million_pixels_ms = c[3];
     out.per_million_covered_ms = c[4];
-    out.per_million_textured_ms = c[5];
-    out.per_million_extent_ms = c[6];
+    out.per_million_shaded_ms = c[5];
+    out.per_million_textured_ms = c[6];
+    out.per_million_extent_ms = c[7];
     return out;
 }
 
 control::Work work_of(const codec::Decoded& content, const shading::View& view, const budget::Display& display) {
     control::Work work;
     work.pixels = static_cast<double>(display.width) * display.height;
+    shading::ScreenExtents extents(view, display);
     for (const codec::Primitive& primitive : content.primitives) {
         const auto triangles = static_cast<double>(primitive.mesh.triangles.size());
-        const shading::ScreenExtent extent = shading::screen_extent(primitive.mesh, content.origin, view, display);
+        const shading::ScreenExtent extent = extents.draw(primitive.mesh, content.origin);
         work.triangles += triangles;
         // Of a flat primitive as many as faces, or a few more.
         work.vertices += primitive.shading == codec::Shading::flat
                              ? triangles
                              : static_cast<double>(primitive.mesh.positions.size());
         work.covered_px += extent.covered_px;
-        if (reads_image(content, primitive)) work.textured_px += extent.covered_px;
+        work.shaded_px += extent.shaded_px;
+        if (reads_image(content, primitive)) work.textured_px += extent.shaded_px;
         work.extent_px += extent.extent_px;
     }
     return work;

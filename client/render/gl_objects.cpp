@@ -1,26 +1,7 @@
 #include "client/render/gl_objects.h"
 
-#include <array>
-#include <string>
-
-#include "client/render/shaders.h"
-
 namespace lodestream::render {
 namespace {
-
-Result<GLuint> compile(GLenum stage, const char* head, const char* source) {
-    const GLuint shader = glCreateShader(stage);
-    const std::array<const char*, 3> parts{head, shader_limits, source};
-    glShaderSource(shader, static_cast<GLsizei>(parts.size()), parts.data(), nullptr);
-    glCompileShader(shader);
-    GLint compiled = GL_FALSE;
-    glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-    if (compiled) return shader;
-    std::array<char, 512> log{};
-    glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
-    glDeleteShader(shader);
-    return fail(ErrorCode::internal, std::string("shader: ") + log.data());
-}
 
 void attribute(GLuint location, GLint components, GLenum type, bool normalized, std::size_t stride,
                std::size_t offset) {
@@ -62,49 +43,6 @@ bool gl_failed() {
     return failed;
 }
 
-Result<Program> link(const char* head) {
-    const auto vertex = compile(GL_VERTEX_SHADER, head, vertex_shader);
-    if (!vertex) return vertex.error();
-    const auto fragment = compile(GL_FRAGMENT_SHADER, head, fragment_shader);
-    if (!fragment) {
-        glDeleteShader(*vertex);
-        return fragment.error();
-    }
-    Program program;
-    program.id = glCreateProgram();
-    glAttachShader(program.id, *vertex);
-    glAttachShader(program.id, *fragment);
-    glLinkProgram(program.id);
-    glDeleteShader(*vertex);
-    glDeleteShader(*fragment);
-    GLint linked = GL_FALSE;
-    glGetProgramiv(program.id, GL_LINK_STATUS, &linked);
-    if (!linked) {
-        glDeleteProgram(program.id);
-        return fail(ErrorCode::internal, "shader program does not link");
-    }
-    const auto uniform = [&](const char* name) { return glGetUniformLocation(program.id, name); };
-    program.clip_from_scene = uniform("u_clip_from_scene");
-    program.view_from_scene = uniform("u_view_from_scene");
-    program.picture = uniform("u_picture");
-    program.offset = uniform("u_offset");
-    program.eye = uniform("u_eye");
-    program.lights = uniform("u_lights");
-    program.light_count = uniform("u_light_count");
-    program.phong = uniform("u_phong");
-    program.base_color = uniform("u_base_color");
-    program.emissive = uniform("u_emissive");
-    program.alpha_cutoff = uniform("u_alpha_cutoff");
-    program.disc = uniform("u_disc");
-    program.share = uniform("u_share");
-    if (is_of_discs(program)) return program;  // no textures
-    glUseProgram(program.id);
-    glUniform1i(uniform("u_base_color_texture"), 0);
-    glUniform1i(uniform("u_emissive_texture"), 1);
-    glUseProgram(0);  // one in use outlives its deletion
-    return program;
-}
-
 GLuint make_texture(std::uint32_t width, std::uint32_t height, const std::uint8_t* rgba) {
     GLuint texture = 0;
     glGenTextures(1, &texture);
@@ -129,7 +67,7 @@ GLint wrap_mode(mesh::Wrap wrap) {
     return GL_REPEAT;
 }
 
-std::uint64_t fill(VertexArray& array, const Streams& streams, Style style) {
+std::uint64_t fill(VertexArray& array, const Streams& streams, Style style, bool is_textured) {
     constexpr std::size_t corner = sizeof(Vec3f);
     glGenVertexArrays(1, &array.id);
     glBindVertexArray(array.id);
@@ -149,7 +87,7 @@ std::uint64_t fill(VertexArray& array, const Streams& streams, Style style) {
         bytes += add_buffer(array, GL_ARRAY_BUFFER, streams.colors);
         attribute(location_color, 4, GL_UNSIGNED_BYTE, true, sizeof(Rgba8), 0);
     }
-    if (!streams.texture_coordinates.empty()) {
+    if (is_textured && !streams.texture_coordinates.empty()) {
         bytes += add_buffer(array, GL_ARRAY_BUFFER, streams.texture_coordinates);
         attribute(location_texture_coordinate, 2, GL_FLOAT, false, sizeof(Vec2f), 0);
     }

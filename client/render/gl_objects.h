@@ -1,5 +1,5 @@
-// The objects that the renderer keeps in OpenGL ES 3: programs, textures, vertex arrays and what is drawn into. Private
-// to this folder. All are of the current context, and their owner releases them.
+// The objects that the renderer keeps in OpenGL ES 3 beside its programs: textures, vertex arrays and what is drawn
+// into. Private to this folder. All are of the current context, and their owner releases them.
 #pragma once
 
 #include <GLES3/gl32.h>
@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "client/render/scene.h"
-#include "common/base/result.h"
 #include "common/mesh/mesh.h"
 
 namespace lodestream::render {
@@ -28,20 +27,6 @@ enum Location : GLuint {
     location_first
 };
 
-// Locations are -1 where the program has no such uniform.
-struct Program {
-    GLuint id = 0;
-    GLint clip_from_scene = -1, view_from_scene = -1, picture = -1, offset = -1, eye = -1, lights = -1,
-          light_count = -1, phong = -1, base_color = -1, emissive = -1, alpha_cutoff = -1, disc = -1, share = -1;
-};
-
-inline bool is_of_discs(const Program& program) {
-    return program.disc >= 0;
-}
-
-// `head`: the version and what is defined. Errors: internal, with the driver's words.
-Result<Program> link(const char* head);
-
 // RGBA, sRGB-coded, with mip levels.
 GLuint make_texture(std::uint32_t width, std::uint32_t height, const std::uint8_t* rgba);
 GLint wrap_mode(mesh::Wrap wrap);
@@ -52,10 +37,9 @@ struct VertexArray {
 };
 
 enum class Style : std::uint8_t { gouraud, flat, points, quads };  // the last two of discs, over the same array
-inline constexpr std::size_t styles = 4;
 
-// Returns the bytes that the buffers take.
-std::uint64_t fill(VertexArray& array, const Streams& streams, Style style);
+// With texture coordinates only where they are read. Returns the bytes that the buffers take.
+std::uint64_t fill(VertexArray& array, const Streams& streams, Style style, bool is_textured);
 void release(VertexArray& array);
 
 struct Target {

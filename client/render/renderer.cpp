@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "client/render/gl_objects.h"
+#include "client/render/programs.h"
 #include "client/render/scene.h"
 #include "client/render/shaders.h"
 
@@ -36,7 +37,7 @@ struct Discs {
 // What comes and goes together: an uploaded level, or a part of a scene.
 struct Group {
     std::vector<mesh::Material> materials;
-    std::vector<GLuint> textures;  // one an image; the white one where it could not be decoded
+    std::vector<GLuint> textures;  // one an image; 0 where it could not be decoded
     UploadStatistics uploaded;
     Sphere sphere;  // scene coordinates
     Discs discs;    // of a part of points
@@ -61,6 +62,7 @@ bool is_valid(const Share& share) {
 struct Batch {
     const Group* group = nullptr;
     Style style = Style::gouraud;
+    Look look;
     std::uint32_t material = 0;
     VertexArray vertices;
     GLsizei first = 0, corners = 0;  // the range of the indices, or the points
@@ -73,6 +75,12 @@ struct Sent {
     std::uint64_t triangles = 0, points = 0;
     std::uint32_t draw_calls = 0;
 };
+
+// 0 where there is none.
+GLuint texture_of(const mesh::TextureReference& reference, const Group& group) {
+    return valid_image(reference, group.textures.size()) ? group.textures[static_cast<std::size_t>(reference.image)]
+                                                         : 0;
+}
 
 bool is_blended(const Batch& batch) {
     return batch.group->materials[batch.material].alpha_mode == mesh::AlphaMode::blend;
@@ -101,8 +109,7 @@ void flip_rows(Image& image) {
 }  // namespace
 
 struct Renderer::Impl {
-    std::array<Program, styles> programs, fading_programs;
-    GLuint white_texture = 0;
+    Programs programs;
     bool has_sample_shading = false;  // OpenGL ES 3.2
     float max_point_px = 1.0f;
     GLint max_side = 0, max_driver_samples = 1, max_texture_side = 0;
@@ -132,17 +139,14 @@ struct Renderer::Impl {
         clear();
         release(target);
         release(resolved);
-        glDeleteTextures(1, &white_texture);
-        for (const Program& program : programs) glDeleteProgram(program.id);
-        for (const Program& program : fading_programs) glDeleteProgram(program.id);
     }
 
     Status create();
     void clear();
     void release_textures(Group& group) const;
     std::vector<std::string> begin_upload(const codec::Decoded& content);
-    Batch& add_batch(Group& group, std::uint32_t material, Style style, const Streams& streams);
-    Batch& add_batch(const codec::Primitive& primitive, Style style, std::size_t images);
+    Result<Batch*> add_batch(Group& group, std::uint32_t material, Style style, const Streams& streams);
+    Result<Batch*> add_batch(const codec::Primitive& primitive, Style style, std::size_t images);
     void add_discs(Group& group, const Streams& streams);
     void sort_batches();
     Result<UploadStatistics> end_upload(std::vector<std::string> warnings);
@@ -183,20 +187,8 @@ Status Renderer::Impl::create() {
     if (driver_version() < 30) return fail(ErrorCode::unavailable, "the current context is not OpenGL ES 3");
     gl_failed();
     has_sample_shading = driver_version() >= 32;
-    constexpr std::array<const char*, styles> heads{"", "#define FLAT\n", "#define DISCS\n",
-                                                    "#define DISCS\n#define QUADS\n"};
-    const std::string fading =
-        has_sample_shading ? SHADER_320 "#define FADING\n#define SAMPLES\n" : SHADER_300 "#define FADING\n";
-    for (std::size_t i = 0; i < styles; ++i) {
-        auto program = link((std::string(SHADER_300) + heads[i]).c_str());
-        if (!program) return program.error();
-        programs[i] = *program;
-        auto fading_program = link((fading + heads[i]).c_str());
-        if (!fading_program) return fading_program.error();
-        fading_programs[i] = *fading_program;
-    }
-    const std::array<std::uint8_t, 4> white{255, 255, 255, 255};
-    white_texture = make_texture(1, 1, white.data());
+    for (const Style style : {Style::gouraud, Style::flat, Style::points, Style::quads})
+        if (auto linked = programs.link(style, {}); !linked) return linked;
     GLint renderbuffer_side = 0;
     std::array<GLint, 2> viewport_side{};
     glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &renderbuffer_side);
@@ -208,13 +200,12 @@ Status Renderer::Impl::create() {
     max_point_px = std::max(point_px[1] - 1.0f, 1.0f);  // leaves room for what the shader may add
     if (has_sample_shading) glMinSampleShading(1.0f);
     max_side = std::min({renderbuffer_side, viewport_side[0], viewport_side[1], static_cast<GLint>(image::max_side)});
-    if (gl_failed()) return out_of_memory("the shaders and a white texture");
+    if (gl_failed()) return out_of_memory("the shaders");
     return Nothing{};
 }
 
 void Renderer::Impl::release_textures(Group& group) const {
-    for (GLuint texture : group.textures)
-        if (texture != white_texture) glDeleteTextures(1, &texture);
+    glDeleteTextures(static_cast<GLsizei>(group.textures.size()), group.textures.data());  // skips 0
     group.textures.clear();
 }
 
@@ -238,7 +229,7 @@ std::vector<std::string> Renderer::Impl::begin_upload(const codec::Decoded& cont
     placement = place(content);
     origin = content.origin;
     level.materials = content.materials;
-    level.textures.assign(content.images.size(), white_texture);
+    level.textures.assign(content.images.size(), 0);
     return decode_shown(content.images, content.materials, static_cast<std::uint32_t>(max_texture_side),
                         [&](std::size_t i, Image&& image) {
                             level.textures[i] = make_texture(image.width, image.height, image.rgba.data());
@@ -246,19 +237,24 @@ std::vector<std::string> Renderer::Impl::begin_upload(const codec::Decoded& cont
                         });
 }
 
-Batch& Renderer::Impl::add_batch(Group& group, std::uint32_t material, Style style, const Streams& streams) {
+Result<Batch*> Renderer::Impl::add_batch(Group& group, std::uint32_t material, Style style, const Streams& streams) {
+    const mesh::Material& looks = group.materials[material];
+    const Look look{!streams.colors.empty(), texture_of(looks.base_color_texture, group) != 0,
+                    texture_of(looks.emissive_texture, group) != 0, looks.alpha_mode == mesh::AlphaMode::mask};
+    if (auto linked = programs.link(style, look); !linked) return linked.error();
     Batch& batch = batches.emplace_back();
     batch.group = &group;
     batch.style = style;
+    batch.look = look;
     batch.material = material;
     batch.corners = static_cast<GLsizei>(streams.indices.size());
     batch.center = streams.center;
-    group.uploaded.geometry_bytes += fill(batch.vertices, streams, style);
+    group.uploaded.geometry_bytes += fill(batch.vertices, streams, style, look.is_textured());
     (style == Style::flat ? group.uploaded.flat_vertices : group.uploaded.gouraud_vertices) += streams.positions.size();
-    return batch;
+    return &batch;
 }
 
-Batch& Renderer::Impl::add_batch(const codec::Primitive& primitive, Style style, std::size_t images) {
+Result<Batch*> Renderer::Impl::add_batch(const codec::Primitive& primitive, Style style, std::size_t images) {
     const bool textured = is_textured(level.materials[primitive.material], images);
     return add_batch(level, primitive.material, style,
                      style == Style::flat ? flat_streams(primitive.mesh, placement, textured)
@@ -273,7 +269,7 @@ void Renderer::Impl::add_discs(Group& group, const Streams& streams) {
     batch.style = Style::points;
     batch.corners = static_cast<GLsizei>(streams.positions.size());
     batch.center = streams.center;
-    group.uploaded.geometry_bytes += fill(batch.vertices, streams, batch.style);
+    group.uploaded.geometry_bytes += fill(batch.vertices, streams, batch.style, false);
 }
 
 void Renderer::Impl::sort_batches() {
@@ -297,7 +293,8 @@ Result<UploadStatistics> Renderer::Impl::upload(const codec::Decoded& content) {
         const std::size_t triangles = primitive.mesh.triangles.size();
         if (triangles == 0) continue;
         const bool is_flat = primitive.shading == codec::Shading::flat;
-        add_batch(primitive, is_flat ? Style::flat : Style::gouraud, content.images.size());
+        const auto added = add_batch(primitive, is_flat ? Style::flat : Style::gouraud, content.images.size());
+        if (!added) return added.error();
         level.uploaded.triangles += triangles;
         if (!is_flat) level.uploaded.gouraud_triangles += triangles;
     }
@@ -315,8 +312,11 @@ Result<UploadStatistics> Renderer::Impl::upload(const MovableLevel& movable) {
             return invalid_input("a movable level has Gouraud primitives and a place for each of their triangles");
         if (movable.places[i].empty()) continue;
         const auto places = std::make_shared<const std::vector<std::uint32_t>>(movable.places[i]);
-        for (const Style style : {Style::gouraud, Style::flat})
-            add_batch(primitive, style, movable.content.images.size()).places = places;
+        for (const Style style : {Style::gouraud, Style::flat}) {
+            const auto added = add_batch(primitive, style, movable.content.images.size());
+            if (!added) return added.error();
+            (*added)->places = places;
+        }
         level.uploaded.triangles += places->size();
         level.uploaded.gouraud_triangles += places->size();
     }
@@ -357,7 +357,7 @@ Result<std::uint32_t> Renderer::Impl::add(const Part& part) {
     group.sphere = prepared->sphere;
     std::vector<std::string> warnings;
     for (const Image& image : prepared->images) {
-        group.textures.push_back(white_texture);
+        group.textures.push_back(0);
         if (image.rgba.empty()) continue;
         if (std::max(image.width, image.height) > static_cast<std::uint32_t>(max_texture_side))
             warnings.push_back("an image is drawn white: larger than the driver allows");
@@ -365,7 +365,11 @@ Result<std::uint32_t> Renderer::Impl::add(const Part& part) {
             group.textures.back() = make_texture(image.width, image.height, image.rgba.data());
     }
     for (const PreparedPrimitive& primitive : prepared->primitives) {
-        add_batch(group, primitive.material, primitive.is_flat ? Style::flat : Style::gouraud, primitive.streams);
+        const Style style = primitive.is_flat ? Style::flat : Style::gouraud;
+        if (const auto added = add_batch(group, primitive.material, style, primitive.streams); !added) {
+            remove(id);
+            return added.error();
+        }
         group.uploaded.triangles += primitive.triangles;
     }
     add_discs(group, prepared->discs.streams);
@@ -455,23 +459,23 @@ void Renderer::Impl::set_lights(const Program& program, const std::vector<Vec4f>
 }
 
 void Renderer::Impl::bind_texture(GLenum unit, const mesh::TextureReference& reference, const Group& group) const {
+    const GLuint texture = texture_of(reference, group);
+    if (texture == 0) return;
     glActiveTexture(unit);
-    const bool has_image = valid_image(reference, group.textures.size());
-    glBindTexture(GL_TEXTURE_2D, has_image ? group.textures[static_cast<std::size_t>(reference.image)] : white_texture);
+    glBindTexture(GL_TEXTURE_2D, texture);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap_mode(reference.wrap_s));
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap_mode(reference.wrap_t));
 }
 
 void Renderer::Impl::set_material(const Program& program, const mesh::Material& material, const Group& group) const {
     const bool blend = material.alpha_mode == mesh::AlphaMode::blend;
-    const bool mask = material.alpha_mode == mesh::AlphaMode::mask;
     const Vec4f& base = material.base_color;
     glUniform4f(program.base_color, base.r, base.g, base.b, base.a);
     glDepthMask(blend ? GL_FALSE : GL_TRUE);
     blend ? glEnable(GL_BLEND) : glDisable(GL_BLEND);
     if (is_of_discs(program)) return;  // opaque, without textures
     glUniform3f(program.emissive, material.emissive.r, material.emissive.g, material.emissive.b);
-    glUniform1f(program.alpha_cutoff, mask ? material.alpha_cutoff : -1.0f);
+    if (program.alpha_cutoff >= 0) glUniform1f(program.alpha_cutoff, material.alpha_cutoff);
     bind_texture(GL_TEXTURE0, material.base_color_texture, group);
     bind_texture(GL_TEXTURE1, material.emissive_texture, group);
 }
@@ -636,7 +640,7 @@ void Renderer::Impl::sort_blended() {
 void Renderer::Impl::draw_batch_as(Style style, const Batch& batch, bool fades) {
     if (std::none_of(shown.begin(), shown.end(), [&](const Shown& s) { return is_drawn(s, batch, style, fades); }))
         return;
-    const Program& program = (fades ? fading_programs : programs)[static_cast<std::size_t>(style)];
+    const Program& program = programs.at(style, batch.look, fades);
     glUseProgram(program.id);
     const bool samples_apart = batch.style == Style::points && target.samples > 1 && has_sample_shading;
     set_material(program, batch.group->materials[batch.material], *batch.group);
@@ -658,12 +662,11 @@ void Renderer::Impl::draw_frame(const std::vector<Vec4f>& lights, const DrawOpti
     glClearColor(options.background.r, options.background.g, options.background.b, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     if (!shown.empty()) {
-        for (const auto* all : {&programs, &fading_programs})
-            for (const Program& program : *all) {
-                glUseProgram(program.id);
-                set_camera(program, exposures.back());
-                set_lights(program, lights, options.phong);
-            }
+        programs.for_each([&](const Program& program) {
+            glUseProgram(program.id);
+            set_camera(program, exposures.back());
+            set_lights(program, lights, options.phong);
+        });
         glVertexAttrib4f(location_color, 1.0f, 1.0f, 1.0f, 1.0f);
         glVertexAttrib3f(location_normal_or_previous, 0.0f, 0.0f, 0.0f);
         for (const Batch& batch : batches) {

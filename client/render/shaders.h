@@ -1,5 +1,7 @@
 // The one pair of shaders, compiled plain (Gouraud), with FLAT, with DISCS and with DISCS and QUADS, each also with
-// FADING, there with SAMPLES where the driver can tell them apart; private to this folder.
+// FADING, there with SAMPLES where the driver can tell them apart; private to this folder. What a material does not
+// have costs no triangle of it anything: COLORS of vertices, BASE_COLOR_IMAGE and EMISSIVE_IMAGE (each with
+// TEXTURED), MASKED by a cutoff.
 //
 // A disc is a square sprite around its centre: a point or, where drivers allow none so large, four corners. A fragment
 // is kept where the ray from the eye through it meets the disc's plane within its radius: with the centre c and the
@@ -22,7 +24,10 @@ inline constexpr int dither_steps = 64;  // of a pixel's threshold, or of each o
 inline constexpr const char* vertex_shader = R"(
 precision highp float;
 layout(location = 0) in vec3 a_position;
+#if defined(COLORS) || defined(DISCS)
 layout(location = 1) in vec4 a_color;
+uniform vec4 u_base_color;
+#endif
 #ifdef DISCS
 layout(location = 3) in vec3 a_normal;  // of unit length; zero: faces the eye
 flat out vec3 v_color;   // lit
@@ -35,7 +40,13 @@ uniform vec3 u_disc;             // radius, px to widen a sprite by, largest spr
 out vec2 v_at;  // the place on the sprite
 #endif
 #else
+#ifdef TEXTURED
 layout(location = 2) in vec2 a_texture_coordinate;
+out vec2 v_texture_coordinate;
+#endif
+#ifdef COLORS
+out vec4 v_color;
+#endif
 #ifdef FLAT
 layout(location = 3) in vec3 a_previous_corner;
 layout(location = 4) in vec3 a_first_corner;
@@ -44,8 +55,6 @@ flat out vec2 v_light;  // diffuse, specular
 layout(location = 3) in vec3 a_normal;
 out vec4 v_light;  // diffuse, specular; the same of the back
 #endif
-out vec4 v_color;
-out vec2 v_texture_coordinate;
 #endif
 uniform mat4 u_clip_from_scene;
 uniform vec3 u_offset;  // of the instance
@@ -53,7 +62,6 @@ uniform vec3 u_eye;
 uniform vec4 u_lights[MAX_LIGHTS];  // direction towards the light, intensity
 uniform int u_light_count;
 uniform vec4 u_phong;  // ambient, diffuse, specular, shininess
-uniform vec4 u_base_color;
 invariant gl_Position;
 
 vec3 unit_or_zero(vec3 v) {
@@ -120,8 +128,12 @@ void main() {
     v_color = u_base_color.rgb * a_color.rgb * light.x + light.y;
     shape_disc(position, normal);
 #else
+#ifdef COLORS
     v_color = u_base_color * a_color;
+#endif
+#ifdef TEXTURED
     v_texture_coordinate = a_texture_coordinate;
+#endif
 #ifdef FLAT
     vec3 center = (a_first_corner + a_previous_corner + a_position) / 3.0 + u_offset;
     vec3 normal = unit_or_zero(cross(a_previous_corner - a_first_corner, a_position - a_first_corner));
@@ -150,12 +162,24 @@ flat in vec2 v_light;
 #else
 in vec4 v_light;
 #endif
+#ifdef COLORS
 in vec4 v_color;
+#else
+uniform vec4 u_base_color;
+#endif
+#ifdef TEXTURED
 in vec2 v_texture_coordinate;
+#endif
+#ifdef BASE_COLOR_IMAGE
 uniform sampler2D u_base_color_texture;
+#endif
+#ifdef EMISSIVE_IMAGE
 uniform sampler2D u_emissive_texture;
+#endif
 uniform vec3 u_emissive;
+#ifdef MASKED
 uniform float u_alpha_cutoff;
+#endif
 #endif
 out vec4 color;
 
@@ -203,9 +227,21 @@ void main() {
 #else
     vec2 light = gl_FrontFacing ? v_light.xy : v_light.zw;
 #endif
-    vec4 base = v_color * texture(u_base_color_texture, v_texture_coordinate);
+#ifdef COLORS
+    vec4 base = v_color;
+#else
+    vec4 base = u_base_color;
+#endif
+#ifdef BASE_COLOR_IMAGE
+    base *= texture(u_base_color_texture, v_texture_coordinate);
+#endif
+#ifdef MASKED
     if (base.a < u_alpha_cutoff) discard;
-    vec3 emitted = u_emissive * texture(u_emissive_texture, v_texture_coordinate).rgb;
+#endif
+    vec3 emitted = u_emissive;
+#ifdef EMISSIVE_IMAGE
+    emitted *= texture(u_emissive_texture, v_texture_coordinate).rgb;
+#endif
     color = vec4(base.rgb * light.x + light.y + emitted, base.a);
 #endif
 }

@@ -39,8 +39,9 @@ Vector parts(const FrameCosts& costs, const Work& work) {
     const double triangles_ms = work.triangles * costs.per_million_triangles_ms +
                                 work.vertices * costs.per_million_vertices_ms +
                                 work.extent_px * costs.per_million_extent_ms;
-    const double covered_ms =
-        work.covered_px * costs.per_million_covered_ms + work.textured_px * costs.per_million_textured_ms;
+    const double covered_ms = work.covered_px * costs.per_million_covered_ms +
+                              work.shaded_px * costs.per_million_shaded_ms +
+                              work.textured_px * costs.per_million_textured_ms;
     return {costs.fixed_ms,
             1e-6 * work.pixels * costs.per_million_pixels_ms,
             1e-6 * work.exposures * triangles_ms,

@@ -27,7 +27,8 @@ struct FrameCosts {
     double per_million_seen_ms = 60.0;       // triangles within the picture, on top
     // What else a probe tells apart; 0: nothing, the costs above have it.
     double per_million_vertices_ms = 0.0;
-    double per_million_textured_ms = 0.0;  // px of them that read an image: on top
+    double per_million_shaded_ms = 0.0;    // px that are in front as they are drawn: on top
+    double per_million_textured_ms = 0.0;  // px of those that read an image: on top
     double per_million_extent_ms = 0.0;    // px of their sides: what a triangle costs beside its pixels grows so
 };
 
@@ -44,7 +45,8 @@ struct Work {
     double seen_triangles = 0.0;  // within the picture, or all where that is not known
     // Likewise; 0 where they are not known.
     double vertices = 0.0;     // that are lit
-    double textured_px = 0.0;  // of covered_px
+    double shaded_px = 0.0;    // of covered_px, as shading::ScreenExtent
+    double textured_px = 0.0;  // of shaded_px
     double extent_px = 0.0;    // likewise
 };
 

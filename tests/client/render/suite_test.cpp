@@ -141,6 +141,7 @@ TEST_F(RendererSuite, GeometryBytesAreThoseOfTheBuffers) {
 }
 
 TEST_F(RendererSuite, AnUploadTakesThePlaceOfTheOneBefore) {
+    put(textured());  // whose programs stay
     put(content_of(testing::sphere(8), Shading::gouraud));
     const LiveObjects one = live_objects();
     for (int i = 0; i < 3; ++i) {
@@ -153,7 +154,7 @@ TEST_F(RendererSuite, AnUploadTakesThePlaceOfTheOneBefore) {
     put(Decoded{});
     EXPECT_EQ(live_objects().buffers, 0);
     EXPECT_EQ(live_objects().vertex_arrays, 0);
-    EXPECT_EQ(live_objects().textures, 1);  // the white one
+    EXPECT_EQ(live_objects().textures, 0);
 }
 
 TEST_F(RendererSuite, AFrameOfTheSameSizeMakesNoObject) {
@@ -236,7 +237,7 @@ TEST_F(RendererSuite, ARefusedLevelLeavesNothingOfItselfOrOfTheOneBefore) {
         EXPECT_EQ(frame.triangles, 0u);
         EXPECT_TRUE(is_background(frame.image));
         EXPECT_EQ(live_objects().buffers, 0);
-        EXPECT_EQ(live_objects().textures, 1);
+        EXPECT_EQ(live_objects().textures, 0);
     };
     refused([](Decoded& d) { d.primitives[0].mesh.triangles[1][2] = 4; });
     refused([](Decoded& d) { d.primitives[0].mesh.normals.pop_back(); });
@@ -368,7 +369,7 @@ TEST_F(RendererSuite, OnlyImagesThatAMaterialShowsTakeTextures) {
     Decoded content = textured();
     content.images.push_back(image_of(64));  // of no material
     EXPECT_EQ(put(content).texture_bytes, 4u * 4u * 4u);
-    EXPECT_EQ(live_objects().textures, 2);
+    EXPECT_EQ(live_objects().textures, 1);
     content.materials[1].emissive_texture.image = 0;  // the same once more
     content.materials[0].base_color_texture.image = 5;
     EXPECT_EQ(put(content).texture_bytes, 4u * 4u * 4u);
@@ -382,7 +383,7 @@ TEST_F(RendererSuite, ADamagedImageIsWarnedOfAndTakesNoTexture) {
     ASSERT_TRUE(uploaded) << uploaded.error().message;
     EXPECT_EQ(uploaded.warnings.size(), 1u);
     EXPECT_EQ(uploaded->texture_bytes, 0u);
-    EXPECT_EQ(live_objects().textures, 1);
+    EXPECT_EQ(live_objects().textures, 0);
     EXPECT_EQ(drawn().draw_calls, 2u);
 }
 
@@ -469,6 +470,7 @@ TEST_F(RendererSuite, AMovedRendererIsTheSameOneAndFreesTheOther) {
     drawn();
     auto second = Renderer::create();
     ASSERT_TRUE(second);
+    ASSERT_TRUE(second->upload(textured()));
     ASSERT_TRUE(second->upload(cloud_of(9)));
     const LiveObjects both = live_objects();
     *second = std::move(*renderer);

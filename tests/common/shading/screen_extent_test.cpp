@@ -21,6 +21,10 @@ mesh::Mesh one_triangle(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
     return mesh;
 }
 
+ScreenExtent screen_extent(const mesh::Mesh& mesh, const Vec3d& origin, const View& view, const budget::Display& on) {
+    return ScreenExtents(view, on).draw(mesh, origin);
+}
+
 TEST(ScreenExtent, IsATrianglesAreaAndTheSideOfItsRectangle) {
     const mesh::Mesh mesh = one_triangle({0, 0, -1}, {0.9f, 0, -1}, {0, 0.4f, -1});
     const ScreenExtent extent = screen_extent(mesh, {}, from_origin(), display);
@@ -66,6 +70,72 @@ TEST(ScreenExtent, OfNothingIsNothingAndLookingStraightDownIsAView) {
     const View down{{0, 1, 0}, {0, 0, 0}, 90.0, {0, 1, 0}};
     const mesh::Mesh floor = one_triangle({0, 0, 0}, {0.9f, 0, 0}, {0, 0, 0.4f});
     EXPECT_NEAR(screen_extent(floor, {}, down, display).covered_px, 0.5 * 90 * 40, 1e-3);
+}
+
+// Two squares of 100 px a side at distance 1 and 2, the farther twice as large: both fill the same pixels.
+mesh::Mesh square_at(float distance) {
+    mesh::Mesh mesh;
+    const float half = 0.5f * distance;
+    mesh.positions = {
+        {-half, -half, -distance}, {half, -half, -distance}, {half, half, -distance}, {-half, half, -distance}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    return mesh;
+}
+
+TEST(ScreenExtent, WhatIsDrawnBehindWhatIsThereIsNotShadedAndInFrontItIs) {
+    ScreenExtents front_to_back(from_origin(), display), back_to_front(from_origin(), display);
+    EXPECT_NEAR(front_to_back.draw(square_at(1.0f), {}).shaded_px, 1e4, 1.0);
+    const ScreenExtent hidden = front_to_back.draw(square_at(2.0f), {});
+    EXPECT_NEAR(hidden.covered_px, 1e4, 1.0);
+    EXPECT_EQ(hidden.shaded_px, 0.0);
+    EXPECT_NEAR(back_to_front.draw(square_at(2.0f), {}).shaded_px, 1e4, 1.0);
+    EXPECT_NEAR(back_to_front.draw(square_at(1.0f), {}).shaded_px, 1e4, 1.0);
+}
+
+TEST(ScreenExtent, ATiltedTriangleHidesWhereItIsNearer) {
+    // Cuts through a square at distance 1 along its middle.
+    mesh::Mesh tilted = square_at(1.0f);
+    tilted.positions = {{-0.4f, -0.5f, -0.8f}, {0.6f, -0.5f, -1.2f}, {0.6f, 0.5f, -1.2f}, {-0.4f, 0.5f, -0.8f}};
+    ScreenExtents extents(from_origin(), display);
+    extents.draw(square_at(1.0f), {});
+    const ScreenExtent extent = extents.draw(tilted, {});
+    EXPECT_GT(extent.shaded_px, 0.4 * extent.covered_px);
+    EXPECT_LT(extent.shaded_px, 0.7 * extent.covered_px);
+}
+
+// Triangles far smaller than a sample's cell meet one by chance: the share is that of all of them.
+TEST(ScreenExtent, SharesOfSmallTrianglesAreThoseOfLargeOnes) {
+    const auto grid = [](float distance) {
+        constexpr std::uint32_t cells = 200;
+        mesh::Mesh mesh;
+        for (std::uint32_t y = 0; y <= cells; ++y)
+            for (std::uint32_t x = 0; x <= cells; ++x)
+                mesh.positions.push_back({distance * (static_cast<float>(x) / cells - 0.5f),
+                                          distance * (static_cast<float>(y) / cells - 0.5f), -distance});
+        for (std::uint32_t y = 0; y < cells; ++y)
+            for (std::uint32_t x = 0; x < cells; ++x) {
+                const std::uint32_t a = y * (cells + 1) + x, b = a + cells + 1;
+                mesh.triangles.push_back({a, a + 1, b + 1});
+                mesh.triangles.push_back({a, b + 1, b});
+            }
+        return mesh;
+    };
+    ScreenExtents extents(from_origin(), display);
+    const ScreenExtent first = extents.draw(grid(2.0f), {});
+    EXPECT_NEAR(first.shaded_px, first.covered_px, 0.02 * first.covered_px);
+    const ScreenExtent nearer = extents.draw(grid(1.0f), {});
+    EXPECT_NEAR(nearer.shaded_px, nearer.covered_px, 0.02 * nearer.covered_px);
+    EXPECT_LT(extents.draw(grid(1.5f), {}).shaded_px, 0.01 * nearer.covered_px);
+}
+
+TEST(ScreenExtent, NoPictureAndAHugeOneStayFinite) {
+    for (const budget::Display& on :
+         {budget::Display{0, 0}, {1, 1}, {16'384, 16'384}, {1, 4'000'000'000}, {4'000'000'000, 4'000'000'000}}) {
+        const ScreenExtent extent = screen_extent(square_at(1.0f), {}, from_origin(), on);
+        EXPECT_TRUE(std::isfinite(extent.shaded_px));
+        EXPECT_GE(extent.shaded_px, 0.0);
+        EXPECT_LE(extent.shaded_px, extent.covered_px);
+    }
 }
 
 }  // namespace

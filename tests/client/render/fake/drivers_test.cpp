@@ -126,13 +126,6 @@ TEST_F(DriversTest, MemoryForALevelButNotForThePicture) {
     EXPECT_EQ(draws_of().size(), 2u);  // without samples of their own there is room
 }
 
-TEST_F(DriversTest, NoMemoryForTheRendererItself) {
-    gl.driver().memory_bytes = 3;
-    const auto made = Renderer::create();
-    ASSERT_FALSE(made);
-    EXPECT_EQ(made.error().code, ErrorCode::limit_exceeded);
-}
-
 TEST_F(DriversTest, ShadersThatDoNotCompileOrLinkAreNamed) {
     for (const char* define : {"#define FLAT\n", "#define DISCS\n", "gl_FrontFacing", "gl_Position"}) {
         gl.driver().refused_shader = define;
@@ -147,6 +140,19 @@ TEST_F(DriversTest, ShadersThatDoNotCompileOrLinkAreNamed) {
     const auto made = Renderer::create();
     ASSERT_FALSE(made);
     EXPECT_EQ(made.error().message, "shader program does not link");
+}
+
+TEST_F(DriversTest, AShaderThatOnlyALevelNeedsIsItsUploadsErrorAndTheNextOneIsDrawn) {
+    create();
+    gl.driver().refused_shader = "#define BASE_COLOR_IMAGE\n";
+    const auto refused = renderer->upload(everything());
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::internal);
+    EXPECT_EQ(refused.error().message, "shader: refused");
+    EXPECT_EQ(gl.record().bytes, 0u);
+    EXPECT_TRUE(draws_of().empty());
+    ASSERT_TRUE(renderer->upload(content_of(testing::sphere(8), Shading::gouraud)));
+    EXPECT_EQ(draws_of().size(), 1u);
 }
 
 TEST_F(DriversTest, AnOlderContextOrNoneIsUnavailable) {
@@ -286,8 +292,39 @@ TEST_F(DriversTest, WhatIsDrawnIsTheLevelWithItsMaterials) {
         EXPECT_THAT(draw.vertices.at("a_color"), Each(Vec4f(1, 0, 0, 1)));
         for (const Vec4f& p : draw.vertices.at("a_position")) EXPECT_LE(length(Vec3f(p)), 1.0f + 1e-6f);
     }
-    EXPECT_NE(draws[0].textures[0], draws[1].textures[0]);  // the image, and white
-    EXPECT_EQ(draws[0].textures[1], draws[1].textures[1]);
+    EXPECT_TRUE(draws[0].uniforms.contains("u_base_color_texture"));
+    EXPECT_NE(draws[0].textures[0], 0u);
+}
+
+// What a material does not have, its program does not read.
+TEST_F(DriversTest, ProgramsReadWhatTheMaterialHasAndNothingElse) {
+    create();
+    const auto reads = [&](const Decoded& content, const char* what) {
+        EXPECT_TRUE(renderer->upload(content)) << what;
+        const GlDraw draw = draws_of().at(0);
+        return draw.uniforms.contains(what) || draw.vertices.contains(what);
+    };
+    for (const Shading shading : {Shading::gouraud, Shading::flat}) {
+        Decoded content = content_of(testing::sphere(8), shading);
+        for (const char* what :
+             {"u_base_color_texture", "u_emissive_texture", "a_texture_coordinate", "a_color", "u_alpha_cutoff"})
+            EXPECT_FALSE(reads(content, what)) << what;
+        content.materials[0].alpha_mode = mesh::AlphaMode::mask;
+        EXPECT_TRUE(reads(content, "u_alpha_cutoff"));
+        mesh::Mesh& mesh = content.primitives[0].mesh;
+        mesh.colors.assign(mesh.positions.size(), Rgba8{1, 2, 3, 255});
+        EXPECT_TRUE(reads(content, "a_color"));
+        mesh.texture_coordinates.assign(mesh.positions.size(), Vec2f{0.5f});
+        EXPECT_FALSE(reads(content, "a_texture_coordinate"));
+        content.images.push_back({"image/png", *encode_png(solid(8, 8, 9, 9, 9)), 8, 8});
+        content.materials[0].emissive_texture.image = 0;
+        EXPECT_TRUE(reads(content, "a_texture_coordinate"));
+        EXPECT_TRUE(reads(content, "u_emissive_texture"));
+        EXPECT_FALSE(reads(content, "u_base_color_texture"));
+        content.images[0].bytes.assign(40, std::byte{7});  // damaged: not there
+        EXPECT_FALSE(reads(content, "u_emissive_texture"));
+        EXPECT_FALSE(reads(content, "a_texture_coordinate"));
+    }
 }
 
 // A flat face is lit at its last corner, which needs the other two; whoever drives it may take no other for them.
