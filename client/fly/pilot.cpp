@@ -238,16 +238,16 @@ Result<control::FrameCosts> measure_costs(render::Renderer& renderer, const Scen
     const double exposure_ms = blurs ? (*blurred_ms - coarsest->draw_ms) / (exposures - 1) : 0.0;
     const double pixels_ms = fewer_megapixels > 0.0 ? (coarsest->draw_ms - *small_ms) / fewer_megapixels : 0.0;
     control::FrameCosts costs;
-    costs.per_million_covered_ms = positive((exposure_ms - few_millions * per_million_ms) / megapixels);
-    costs.per_million_pixels_ms = positive(pixels_ms - costs.per_million_covered_ms);
-    const double seen_ms = finest->draw_ms - *away_ms - megapixels * costs.per_million_covered_ms;
+    costs.per_million_shaded_ms = positive((exposure_ms - few_millions * per_million_ms) / megapixels);
+    costs.per_million_pixels_ms = positive(pixels_ms - costs.per_million_shaded_ms);
+    const double seen_ms = finest->draw_ms - *away_ms - megapixels * costs.per_million_shaded_ms;
     costs.per_million_seen_ms = positive(more_in_view > least_more_in_view
                                              ? std::min(seen_ms / (more_in_view * millions), per_million_ms / in_view)
                                              : 0.0);
     costs.per_million_triangles_ms = positive(per_million_ms - in_view * costs.per_million_seen_ms);
     costs.per_million_uploaded_ms = positive(finest->upload_ms / millions);
     costs.fixed_ms = positive(finest->draw_ms - millions * per_million_ms -
-                              megapixels * (costs.per_million_pixels_ms + costs.per_million_covered_ms));
+                              megapixels * (costs.per_million_pixels_ms + costs.per_million_shaded_ms));
     return costs;
 }
 

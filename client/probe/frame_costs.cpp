@@ -10,8 +10,8 @@ namespace lodestream::probe {
 
 namespace {
 
-constexpr std::size_t costs = 8;
-constexpr int most_rounds = 20'000;         // of the fit; 8 x 8 products each
+constexpr std::size_t costs = 7;
+constexpr int most_rounds = 20'000;         // of the fit; 7 x 7 products each
 constexpr double settled_share = 1e-9;      // of a cost that no round changes by more
 constexpr double negligible_share = 1e-12;  // of the pictures' time: a column that no picture has
 constexpr double million = 1e6;
@@ -24,7 +24,6 @@ Row units(const control::Work& work) {
             work.triangles / million,
             work.vertices / million,
             work.pixels / million,
-            work.covered_px / million,
             work.shaded_px / million,
             work.textured_px / million,
             work.extent_px / million};
@@ -82,10 +81,9 @@ control::FrameCosts fit_costs(std::span<const TimedPicture> pictures) {
     out.per_million_seen_ms = 0.0;
     out.per_million_vertices_ms = c[2];
     out.per_million_pixels_ms = c[3];
-    out.per_million_covered_ms = c[4];
-    out.per_million_shaded_ms = c[5];
-    out.per_million_textured_ms = c[6];
-    out.per_million_extent_ms = c[7];
+    out.per_million_shaded_ms = c[4];
+    out.per_million_textured_ms = c[5];
+    out.per_million_extent_ms = c[6];
     return out;
 }
 
@@ -101,7 +99,6 @@ control::Work work_of(const codec::Decoded& content, const shading::View& view, 
         work.vertices += primitive.shading == codec::Shading::flat
                              ? triangles
                              : static_cast<double>(primitive.mesh.positions.size());
-        work.covered_px += extent.covered_px;
         work.shaded_px += extent.shaded_px;
         if (reads_image(content, primitive)) work.textured_px += extent.shaded_px;
         work.extent_px += extent.extent_px;

@@ -15,7 +15,7 @@ struct TimedPicture {
     double ms = 0.0;  // > 0
 };
 
-// The fixed cost and those of triangles, vertices, the picture's, covered, shaded and textured pixels, and of extent
+// The fixed cost and those of triangles, vertices, the picture's, shaded and textured pixels, and of extent
 // that come closest to all pictures: least squares of relative errors, none below 0. Costs that no picture asks for are
 // 0; what uploading and decoding take is not told (frame_time_model.h's guess). Finite for any pictures.
 control::FrameCosts fit_costs(std::span<const TimedPicture> pictures);

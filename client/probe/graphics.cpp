@@ -33,7 +33,7 @@ constexpr double most_overrun = 2.0;                    // times its seconds, on
 constexpr double share_to_search = 0.15;                // of the seconds, for a ball that takes long enough
 constexpr double search_s = 0.01;                       // of each that is tried
 // What models take over balls of the same figures, whose triangles are evener in size and order: the median over 22
-// models, 731 frames on Mesa's llvmpipe (tests/bench, frame_time).
+// models, 754 frames on Mesa's llvmpipe (tests/bench, frame_time).
 constexpr double model_over_ball = 1.12;
 constexpr double near_eye = 3.0, far_eye = 200.0, sheets_eye = 1.5;
 constexpr double disc_share = 1.2;  // of a disc's radius to the side of a square that is its share of the surface
@@ -232,7 +232,7 @@ control::FrameCosts costs_of(const std::vector<Content>& shown, const std::vecto
              timings[i].ms});
     }
     control::FrameCosts costs = fit_costs(timed);
-    for (double* cost : {&costs.per_million_triangles_ms, &costs.per_million_vertices_ms, &costs.per_million_covered_ms,
+    for (double* cost : {&costs.per_million_triangles_ms, &costs.per_million_vertices_ms, &costs.per_million_shaded_ms,
                          &costs.per_million_textured_ms, &costs.per_million_extent_ms})
         *cost *= model_over_ball;
     return costs;

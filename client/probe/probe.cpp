@@ -48,7 +48,6 @@ std::string costs_json(const control::FrameCosts& costs) {
            ",\"per_million_triangles_ms\":" + number(costs.per_million_triangles_ms) +
            ",\"per_million_vertices_ms\":" + number(costs.per_million_vertices_ms) +
            ",\"per_million_pixels_ms\":" + number(costs.per_million_pixels_ms) +
-           ",\"per_million_covered_ms\":" + number(costs.per_million_covered_ms) +
            ",\"per_million_shaded_ms\":" + number(costs.per_million_shaded_ms) +
            ",\"per_million_textured_ms\":" + number(costs.per_million_textured_ms) +
            ",\"per_million_extent_ms\":" + number(costs.per_million_extent_ms) + "},";
@@ -65,10 +64,10 @@ std::string costs_text(const control::FrameCosts& costs) {
     char text[256];
     std::snprintf(text, sizeof text,
                   "a frame                %.3f ms, and a million triangles %.1f, vertices %.1f, px of the picture "
-                  "%.2f, px covered %.2f, shaded %.2f more, textured %.2f more, px of triangles' sides %.1f\n",
+                  "%.2f, px shaded %.2f, textured %.2f more, px of triangles' sides %.1f\n",
                   costs.fixed_ms, costs.per_million_triangles_ms, costs.per_million_vertices_ms,
-                  costs.per_million_pixels_ms, costs.per_million_covered_ms, costs.per_million_shaded_ms,
-                  costs.per_million_textured_ms, costs.per_million_extent_ms);
+                  costs.per_million_pixels_ms, costs.per_million_shaded_ms, costs.per_million_textured_ms,
+                  costs.per_million_extent_ms);
     return text;
 }
 

@@ -34,19 +34,18 @@ double usable(double value, double otherwise) {
     return std::isfinite(value) && value > 0.0 ? std::min(value, 1e9) : otherwise;
 }
 
-// Milliseconds of fixed, picture, triangles, seen, covered, uploaded and background.
+// Milliseconds of fixed, picture, triangles, seen, shaded, uploaded and background.
 Vector parts(const FrameCosts& costs, const Work& work) {
     const double triangles_ms = work.triangles * costs.per_million_triangles_ms +
                                 work.vertices * costs.per_million_vertices_ms +
                                 work.extent_px * costs.per_million_extent_ms;
-    const double covered_ms = work.covered_px * costs.per_million_covered_ms +
-                              work.shaded_px * costs.per_million_shaded_ms +
-                              work.textured_px * costs.per_million_textured_ms;
+    const double shaded_ms =
+        work.shaded_px * costs.per_million_shaded_ms + work.textured_px * costs.per_million_textured_ms;
     return {costs.fixed_ms,
             1e-6 * work.pixels * costs.per_million_pixels_ms,
             1e-6 * work.exposures * triangles_ms,
             1e-6 * work.exposures * work.seen_triangles * costs.per_million_seen_ms,
-            1e-6 * work.exposures * covered_ms,
+            1e-6 * work.exposures * shaded_ms,
             1e-6 * work.uploaded_triangles * costs.per_million_uploaded_ms,
             work.background_load * costs.background_ms};
 }
@@ -117,7 +116,7 @@ FrameTimeModel make_model(const FrameCosts& first_guess) {
                          usable(first_guess.per_million_pixels_ms, otherwise.per_million_pixels_ms),
                          usable(first_guess.per_million_uploaded_ms, otherwise.per_million_uploaded_ms),
                          usable(first_guess.background_ms, otherwise.background_ms),
-                         usable(first_guess.per_million_covered_ms, 0.0),
+                         usable(first_guess.per_million_shaded_ms, 0.0),
                          usable(first_guess.per_million_seen_ms, 0.0),
                          usable(first_guess.per_million_vertices_ms, 0.0),
                          usable(first_guess.per_million_textured_ms, 0.0),

@@ -1,5 +1,5 @@
 // What a frame costs on a device, first guessed and then learned while it runs: a fixed cost, the picture's pixels, for
-// each exposure the triangles, those of them in view and the pixels covered, a level change, decoding beside it.
+// each exposure the triangles, those of them in view and the pixels coloured, a level change, decoding beside it.
 //
 // The seven parts are tracked by a Kalman filter in units of their first guess. Its process noise moves mostly all
 // costs together, as throttling and other load do, so that a slower device is noticed within a few frames at any level;
@@ -23,11 +23,10 @@ struct FrameCosts {
     double per_million_pixels_ms = 1.0;      // of the picture: cleared, resolved, once however many exposures it has
     double per_million_uploaded_ms = 100.0;  // triangles of a level that was switched to
     double background_ms = 5.0;              // decoding that keeps one core busy all the frame long
-    double per_million_covered_ms = 4.0;     // px that triangles cover
+    double per_million_shaded_ms = 4.0;      // px that triangles colour
     double per_million_seen_ms = 60.0;       // triangles within the picture, on top
     // What else a probe tells apart; 0: nothing, the costs above have it.
     double per_million_vertices_ms = 0.0;
-    double per_million_shaded_ms = 0.0;    // px that are in front as they are drawn: on top
     double per_million_textured_ms = 0.0;  // px of those that read an image: on top
     double per_million_extent_ms = 0.0;    // px of their sides: what a triangle costs beside its pixels grows so
 };
@@ -41,11 +40,10 @@ struct Work {
     double uploaded_triangles = 0.0;  // 0 where the level is that of the frame before
     double background_load = 0.0;     // decoding beside it, share of a core, [0, 1]
     // Of one exposure.
-    double covered_px = 0.0;      // as shading::ScreenExtent, or all pixels where that is not known
+    double shaded_px = 0.0;       // as shading::ScreenExtent, or all pixels where that is not known
     double seen_triangles = 0.0;  // within the picture, or all where that is not known
     // Likewise; 0 where they are not known.
     double vertices = 0.0;     // that are lit
-    double shaded_px = 0.0;    // of covered_px, as shading::ScreenExtent
     double textured_px = 0.0;  // of shaded_px
     double extent_px = 0.0;    // likewise
 };
@@ -58,7 +56,7 @@ struct FrameTimeModel {
     using Vector = std::array<double, size>;
 
     FrameCosts first_guess;
-    Vector share{};  // of first_guess that each part costs, starts as 1: fixed, picture, triangles, seen, covered,
+    Vector share{};  // of first_guess that each part costs, starts as 1: fixed, picture, triangles, seen, shaded,
                      // uploaded, background
     std::array<Vector, size> covariance{};
     std::array<double, max_levels> level_factor{};  // on top, for that level; starts as 1

@@ -121,6 +121,7 @@ ScreenExtent ScreenExtents::draw(const mesh::Mesh& mesh, const Vec3d& origin) {
     const Raster raster{width_, height_, width_ / std::max(1.0, static_cast<double>(display_.width)),
                         height_ / std::max(1.0, static_cast<double>(display_.height)), nearest_};
     ScreenExtent sum;
+    double covered_px = 0.0;
     Samples samples;
     for (const mesh::Triangle& t : mesh.triangles) {
         const std::array<OnScreen, 3> corners{projected[t[0]], projected[t[1]], projected[t[2]]};
@@ -137,11 +138,11 @@ ScreenExtent ScreenExtents::draw(const mesh::Mesh& mesh, const Vec3d& origin) {
         const bool is_whole = corners[0].in_front() && corners[1].in_front() && corners[2].in_front();
         // One that reaches behind the eye is taken to fill half of the rectangle that is told.
         const double all = is_whole ? area(corners[0], corners[1], corners[2]) : 0.5 * rectangle;
-        sum.covered_px += all * shown / rectangle;
+        covered_px += all * shown / rectangle;
         if (is_whole) raster.draw(corners, samples);
     }
     // A share, since small triangles meet samples by chance.
-    sum.shaded_px = sum.covered_px * (samples.covered > 0.0 ? samples.shaded / samples.covered : 1.0);
+    sum.shaded_px = covered_px * (samples.covered > 0.0 ? samples.shaded / samples.covered : 1.0);
     return sum;
 }
 

@@ -1,5 +1,5 @@
-// What triangles amount to on the screen, hidden ones included: what a rasterizer has to walk over, what of it a
-// fragment shader has to colour, and so what a frame costs beside their number.
+// What triangles amount to on the screen: what a rasterizer has to walk over, what of it a fragment shader has to
+// colour, and so what a frame costs beside their number.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,11 @@
 namespace lodestream::shading {
 
 struct ScreenExtent {
-    double covered_px = 0.0;  // sum of their areas within the picture
-    double shaded_px = 0.0;   // of those, what nothing lay before as they were drawn: about, from a raster of samples
-    double extent_px = 0.0;   // sum of the sides of squares as large as their bounding rectangles, likewise
+    // Sum of their areas within the picture, but for what lay behind those drawn before: about, from a raster of
+    // samples.
+    double shaded_px = 0.0;
+    // Sum of the sides of squares as large as their bounding rectangles, likewise, hidden ones included.
+    double extent_px = 0.0;
 };
 
 // Of meshes in the order in which they are drawn: with a depth test, each is shaded where it lies before all before it.

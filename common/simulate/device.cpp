@@ -61,7 +61,7 @@ Device calibrated(double triangles_per_second, double pixels_per_second, double 
     device.costs.per_million_seen_ms = 0.0;
     device.costs.per_million_triangles_ms = 1e9 / triangles_per_second;
     device.costs.per_million_pixels_ms = 0.0;
-    device.costs.per_million_covered_ms = 1e9 / pixels_per_second;
+    device.costs.per_million_shaded_ms = 1e9 / pixels_per_second;
     device.costs.per_million_uploaded_ms = device.costs.per_million_triangles_ms;
     return device;
 }
@@ -72,12 +72,12 @@ Device random_device(const Population& population, std::uint64_t seed) {
     device.seed = random.next();
     const double least_ms = population.deadline_ms * random.uniform(0.40, 0.75);
     const double for_pixels = random.uniform(0.2, 0.7);  // of what the coarsest level takes
-    const double for_covered = (1.0 - picture_share) * for_pixels;
+    const double for_shaded = (1.0 - picture_share) * for_pixels;
     const double exposures = control::max_exposures;
     device.costs.fixed_ms = fixed_share * least_ms;
     device.costs.per_million_seen_ms = 0.0;
     device.costs.per_million_pixels_ms = picture_share * for_pixels * least_ms / (population.pixels * 1e-6);
-    device.costs.per_million_covered_ms = for_covered * least_ms / (exposures * population.pixels * 1e-6);
+    device.costs.per_million_shaded_ms = for_shaded * least_ms / (exposures * population.pixels * 1e-6);
     device.costs.per_million_triangles_ms =
         (1.0 - for_pixels - fixed_share) * least_ms / (exposures * population.coarsest_triangles * 1e-6);
     device.costs.per_million_uploaded_ms = device.costs.per_million_triangles_ms * random.uniform(0.2, 1.0);

@@ -18,7 +18,7 @@ control::FrameCosts probed(const Device& device, double error) {
     Random random(~device.seed);
     control::FrameCosts costs = device.costs;
     for (double* cost : {&costs.fixed_ms, &costs.per_million_triangles_ms, &costs.per_million_pixels_ms,
-                         &costs.per_million_covered_ms, &costs.per_million_uploaded_ms, &costs.background_ms})
+                         &costs.per_million_shaded_ms, &costs.per_million_uploaded_ms, &costs.background_ms})
         *cost *= std::exp(error * random.normal());
     return costs;
 }

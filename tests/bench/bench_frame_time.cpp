@@ -172,15 +172,15 @@ std::string table_of(const std::vector<Row>& rows) {
 
 void write_csv(const std::string& path, const std::vector<Row>& rows) {
     std::ofstream file(path);
-    file << "model,shading,width,height,triangles,vertices,covered_px,shaded_px,textured_px,extent_px,measured_ms,off_"
+    file << "model,shading,width,height,triangles,vertices,shaded_px,textured_px,extent_px,measured_ms,off_"
             "ms,runs,calm,"
             "predicted_ms\n";
     for (const Row& row : rows)
         file << row.model << ',' << mode_names[static_cast<std::size_t>(row.mode)] << ',' << row.display.width << ','
-             << row.display.height << ',' << row.work.triangles << ',' << row.work.vertices << ','
-             << row.work.covered_px << ',' << row.work.shaded_px << ',' << row.work.textured_px << ','
-             << row.work.extent_px << ',' << row.measured.ms << ',' << row.measured.off_ms << ',' << row.measured.runs
-             << ',' << row.measured.calm << ',' << row.predicted_ms << '\n';
+             << row.display.height << ',' << row.work.triangles << ',' << row.work.vertices << ',' << row.work.shaded_px
+             << ',' << row.work.textured_px << ',' << row.work.extent_px << ',' << row.measured.ms << ','
+             << row.measured.off_ms << ',' << row.measured.runs << ',' << row.measured.calm << ',' << row.predicted_ms
+             << '\n';
     if (!file.flush()) throw std::runtime_error("cannot write " + path);
 }
 

@@ -89,7 +89,7 @@ TEST_F(PilotTest, MeasuresCostsThatAreAboveZero) {
     ASSERT_TRUE(sharp) << sharp.error().message;
     for (const control::FrameCosts& some : {*costs, *sharp})
         for (const double cost : {some.fixed_ms, some.per_million_triangles_ms, some.per_million_pixels_ms,
-                                  some.per_million_covered_ms, some.per_million_uploaded_ms})
+                                  some.per_million_shaded_ms, some.per_million_uploaded_ms})
             EXPECT_GT(cost, 0.0);
 }
 

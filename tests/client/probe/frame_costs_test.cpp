@@ -15,7 +15,7 @@ control::FrameCosts some_costs() {
     costs.per_million_triangles_ms = 80.0;
     costs.per_million_vertices_ms = 95.0;
     costs.per_million_pixels_ms = 0.5;
-    costs.per_million_covered_ms = 5.0;
+    costs.per_million_shaded_ms = 5.0;
     costs.per_million_textured_ms = 2.0;
     costs.per_million_extent_ms = 30.0;
     return costs;
@@ -32,9 +32,9 @@ std::vector<TimedPicture> pictures(const control::FrameCosts& costs, double nois
                 work.triangles = triangles;
                 work.vertices = vertices_share * triangles;
                 work.pixels = pixels;
-                work.covered_px = pixels * (triangles < 1e3 ? 0.01 : 0.8);
-                work.textured_px = vertices_share > 1.0 ? work.covered_px : 0.0;
-                work.extent_px = 1.4 * std::sqrt(triangles * work.covered_px);
+                work.shaded_px = pixels * (triangles < 1e3 ? 0.01 : 0.8);
+                work.textured_px = vertices_share > 1.0 ? work.shaded_px : 0.0;
+                work.extent_px = 1.4 * std::sqrt(triangles * work.shaded_px);
                 out.push_back({work, control::frame_ms(costs, work) * std::exp(noise * random.normal())});
             }
     return out;
@@ -47,7 +47,7 @@ TEST(FrameCosts, AreFoundInPicturesThatKeepToThem) {
     EXPECT_NEAR(found.per_million_triangles_ms, costs.per_million_triangles_ms, 0.1);
     EXPECT_NEAR(found.per_million_vertices_ms, costs.per_million_vertices_ms, 0.1);
     EXPECT_NEAR(found.per_million_pixels_ms, costs.per_million_pixels_ms, 1e-2);
-    EXPECT_NEAR(found.per_million_covered_ms, costs.per_million_covered_ms, 1e-2);
+    EXPECT_NEAR(found.per_million_shaded_ms, costs.per_million_shaded_ms, 1e-2);
     EXPECT_NEAR(found.per_million_textured_ms, costs.per_million_textured_ms, 1e-2);
     EXPECT_NEAR(found.per_million_extent_ms, costs.per_million_extent_ms, 0.1);
 }
@@ -65,7 +65,7 @@ TEST(FrameCosts, AreNeverBelowZeroAndFiniteForAnyTimes) {
         for (TimedPicture& picture : any) picture.ms = random.log_uniform(1e-6, 1e6);
         const control::FrameCosts found = fit_costs(any);
         for (const double cost : {found.fixed_ms, found.per_million_triangles_ms, found.per_million_vertices_ms,
-                                  found.per_million_pixels_ms, found.per_million_covered_ms,
+                                  found.per_million_pixels_ms, found.per_million_shaded_ms,
                                   found.per_million_textured_ms, found.per_million_extent_ms}) {
             EXPECT_TRUE(std::isfinite(cost));
             EXPECT_GE(cost, 0.0);
@@ -102,7 +102,7 @@ TEST(FrameCosts, AHybridLevelsWorkIsThatOfBothItsPrimitives) {
     EXPECT_EQ(work.triangles, 3.0);
     EXPECT_EQ(work.vertices, 4.0 + 2.0);
     EXPECT_EQ(work.pixels, 160'000.0);
-    EXPECT_NEAR(work.covered_px, 3.0 * 0.5 * 200 * 200, 1e-3);
+    EXPECT_NEAR(work.shaded_px, 3.0 * 0.5 * 200 * 200, 1e-3);
     EXPECT_NEAR(work.textured_px, 2.0 * 0.5 * 200 * 200, 1e-3);
     EXPECT_NEAR(work.extent_px, 3.0 * 200, 1e-3);
 }

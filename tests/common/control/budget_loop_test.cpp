@@ -26,12 +26,12 @@ struct Device {
     double frame_ms(const Work& work) {
         const double ms = costs.fixed_ms + 1e-6 * (work.triangles * costs.per_million_triangles_ms +
                                                    work.pixels * costs.per_million_pixels_ms +
-                                                   work.covered_px * costs.per_million_covered_ms);
+                                                   work.shaded_px * costs.per_million_shaded_ms);
         return ms * slower * (1.0 + noise * (2.0 * random.uniform() - 1.0));
     }
     double triangles_per_second() const {
         const double left_ms = deadline_ms / slower - costs.fixed_ms -
-                               1e-6 * width * height * (costs.per_million_pixels_ms + costs.per_million_covered_ms);
+                               1e-6 * width * height * (costs.per_million_pixels_ms + costs.per_million_shaded_ms);
         return 60e6 * left_ms / costs.per_million_triangles_ms;
     }
 };
@@ -49,7 +49,7 @@ struct Loop {
         for (const double end_s = t_s + seconds; t_s < end_s;) {
             Work work;
             work.triangles = work.seen_triangles = std::round(level_share * budget);
-            work.pixels = work.covered_px = width * height;
+            work.pixels = work.shaded_px = width * height;
             const double ms = device.frame_ms(work);
             const double interval_s = std::max(ms, deadline_ms) / 1000.0;
             t_s += interval_s;

@@ -13,7 +13,7 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 double true_ms(const Work& work, double slower = 1.0) {
-    return slower * (1.0 + work.pixels * 2e-6 + work.exposures * (work.triangles * 60e-6 + work.covered_px * 6e-6) +
+    return slower * (1.0 + work.pixels * 2e-6 + work.exposures * (work.triangles * 60e-6 + work.shaded_px * 6e-6) +
                      work.uploaded_triangles * 25e-6 + work.background_load * 3.0);
 }
 
@@ -108,16 +108,16 @@ TEST(FrameTimeModel, SafetyGrowsWithTheSpreadOfTheFrames) {
 TEST(FrameTimeModel, PredictsByWhatAProbeToldApartAndLearnsInItsProportions) {
     FrameCosts costs{1.0, 80.0, 0.5, 50.0, 5.0};
     costs.per_million_vertices_ms = 20.0;
-    costs.per_million_covered_ms = 6.0;
+    costs.per_million_shaded_ms = 6.0;
     costs.per_million_textured_ms = 2.0;
     costs.per_million_extent_ms = 30.0;
     Work work{0, 50'000, 2.0, 4e5, 0.0, 0.0};
     work.vertices = 25'000;
-    work.covered_px = 3e5;
+    work.shaded_px = 3e5;
     work.textured_px = 1e5;
     work.extent_px = 1e5;
-    const double triangles_ms = 0.05 * 80.0 + 0.025 * 20.0 + 0.1 * 30.0, covered_ms = 0.3 * 6.0 + 0.1 * 2.0;
-    EXPECT_NEAR(frame_ms(costs, work), 1.0 + 0.4 * 0.5 + 2.0 * (triangles_ms + covered_ms), 1e-12);
+    const double triangles_ms = 0.05 * 80.0 + 0.025 * 20.0 + 0.1 * 30.0, shaded_ms = 0.3 * 6.0 + 0.1 * 2.0;
+    EXPECT_NEAR(frame_ms(costs, work), 1.0 + 0.4 * 0.5 + 2.0 * (triangles_ms + shaded_ms), 1e-12);
     EXPECT_NEAR(predict_ms(make_model(costs), work), frame_ms(costs, work), 1e-12);
 
     FrameTimeModel model = make_model(costs);

@@ -28,7 +28,7 @@ ScreenExtent screen_extent(const mesh::Mesh& mesh, const Vec3d& origin, const Vi
 TEST(ScreenExtent, IsATrianglesAreaAndTheSideOfItsRectangle) {
     const mesh::Mesh mesh = one_triangle({0, 0, -1}, {0.9f, 0, -1}, {0, 0.4f, -1});
     const ScreenExtent extent = screen_extent(mesh, {}, from_origin(), display);
-    EXPECT_NEAR(extent.covered_px, 0.5 * 90 * 40, 1e-3);
+    EXPECT_NEAR(extent.shaded_px, 0.5 * 90 * 40, 1e-3);
     EXPECT_NEAR(extent.extent_px, 60.0, 1e-3);
 }
 
@@ -36,18 +36,18 @@ TEST(ScreenExtent, FallsWithTheDistance) {
     mesh::Mesh mesh = one_triangle({0, 0, 0}, {0.9f, 0, 0}, {0, 0.4f, 0});
     const ScreenExtent near = screen_extent(mesh, {0, 0, -1}, from_origin(), display);
     const ScreenExtent far = screen_extent(mesh, {0, 0, -10}, from_origin(), display);
-    EXPECT_NEAR(far.covered_px / near.covered_px, 0.01, 1e-9);
+    EXPECT_NEAR(far.shaded_px / near.shaded_px, 0.01, 1e-9);
     EXPECT_NEAR(far.extent_px / near.extent_px, 0.1, 1e-9);
 }
 
 TEST(ScreenExtent, OutsideOfThePictureNothingCounts) {
     const mesh::Mesh aside = one_triangle({3, 0, -1}, {4, 0, -1}, {3, 1, -1});
-    EXPECT_EQ(screen_extent(aside, {}, from_origin(), display).covered_px, 0.0);
+    EXPECT_EQ(screen_extent(aside, {}, from_origin(), display).shaded_px, 0.0);
     EXPECT_EQ(screen_extent(aside, {}, from_origin(), display).extent_px, 0.0);
     // Its rectangle is 16 times the picture.
     const mesh::Mesh larger = one_triangle({-8, -4, -1}, {8, -4, -1}, {0, 4, -1});
     const ScreenExtent extent = screen_extent(larger, {}, from_origin(), display);
-    EXPECT_NEAR(extent.covered_px, 0.5 * 400 * 200, 1e-2);
+    EXPECT_NEAR(extent.shaded_px, 0.5 * 400 * 200, 1e-2);
     EXPECT_NEAR(extent.extent_px, std::sqrt(400.0 * 200.0), 1e-3);
 }
 
@@ -56,20 +56,20 @@ TEST(ScreenExtent, BehindTheEyeNothingCountsAndAcrossItStaysFinite) {
     EXPECT_EQ(screen_extent(behind, {}, from_origin(), display).extent_px, 0.0);
     const mesh::Mesh across = one_triangle({-1, 0, -1}, {1, 0.5f, -1}, {0, 0, 1});
     const ScreenExtent extent = screen_extent(across, {}, from_origin(), display);
-    EXPECT_GT(extent.covered_px, 0.0);
-    EXPECT_LE(extent.covered_px, 400.0 * 200.0);
+    EXPECT_GT(extent.shaded_px, 0.0);
+    EXPECT_LE(extent.shaded_px, 400.0 * 200.0);
     for (const float huge : {1e-30f, 1e30f}) {
         const mesh::Mesh mesh = one_triangle({0, 0, -huge}, {huge, 0, -huge}, {0, huge, -huge});
-        EXPECT_TRUE(std::isfinite(screen_extent(mesh, {}, from_origin(), display).covered_px));
+        EXPECT_TRUE(std::isfinite(screen_extent(mesh, {}, from_origin(), display).shaded_px));
         EXPECT_TRUE(std::isfinite(screen_extent(mesh, {}, from_origin(), display).extent_px));
     }
 }
 
 TEST(ScreenExtent, OfNothingIsNothingAndLookingStraightDownIsAView) {
-    EXPECT_EQ(screen_extent({}, {}, from_origin(), display).covered_px, 0.0);
+    EXPECT_EQ(screen_extent({}, {}, from_origin(), display).shaded_px, 0.0);
     const View down{{0, 1, 0}, {0, 0, 0}, 90.0, {0, 1, 0}};
     const mesh::Mesh floor = one_triangle({0, 0, 0}, {0.9f, 0, 0}, {0, 0, 0.4f});
-    EXPECT_NEAR(screen_extent(floor, {}, down, display).covered_px, 0.5 * 90 * 40, 1e-3);
+    EXPECT_NEAR(screen_extent(floor, {}, down, display).shaded_px, 0.5 * 90 * 40, 1e-3);
 }
 
 // Two squares of 100 px a side at distance 1 and 2, the farther twice as large: both fill the same pixels.
@@ -86,7 +86,7 @@ TEST(ScreenExtent, WhatIsDrawnBehindWhatIsThereIsNotShadedAndInFrontItIs) {
     ScreenExtents front_to_back(from_origin(), display), back_to_front(from_origin(), display);
     EXPECT_NEAR(front_to_back.draw(square_at(1.0f), {}).shaded_px, 1e4, 1.0);
     const ScreenExtent hidden = front_to_back.draw(square_at(2.0f), {});
-    EXPECT_NEAR(hidden.covered_px, 1e4, 1.0);
+    EXPECT_NEAR(hidden.extent_px, 200.0, 1e-3);
     EXPECT_EQ(hidden.shaded_px, 0.0);
     EXPECT_NEAR(back_to_front.draw(square_at(2.0f), {}).shaded_px, 1e4, 1.0);
     EXPECT_NEAR(back_to_front.draw(square_at(1.0f), {}).shaded_px, 1e4, 1.0);
@@ -99,8 +99,9 @@ TEST(ScreenExtent, ATiltedTriangleHidesWhereItIsNearer) {
     ScreenExtents extents(from_origin(), display);
     extents.draw(square_at(1.0f), {});
     const ScreenExtent extent = extents.draw(tilted, {});
-    EXPECT_GT(extent.shaded_px, 0.4 * extent.covered_px);
-    EXPECT_LT(extent.shaded_px, 0.7 * extent.covered_px);
+    const double alone_px = screen_extent(tilted, {}, from_origin(), display).shaded_px;
+    EXPECT_GT(extent.shaded_px, 0.4 * alone_px);
+    EXPECT_LT(extent.shaded_px, 0.7 * alone_px);
 }
 
 // Triangles far smaller than a sample's cell meet one by chance: the share is that of all of them.
@@ -121,11 +122,9 @@ TEST(ScreenExtent, SharesOfSmallTrianglesAreThoseOfLargeOnes) {
         return mesh;
     };
     ScreenExtents extents(from_origin(), display);
-    const ScreenExtent first = extents.draw(grid(2.0f), {});
-    EXPECT_NEAR(first.shaded_px, first.covered_px, 0.02 * first.covered_px);
-    const ScreenExtent nearer = extents.draw(grid(1.0f), {});
-    EXPECT_NEAR(nearer.shaded_px, nearer.covered_px, 0.02 * nearer.covered_px);
-    EXPECT_LT(extents.draw(grid(1.5f), {}).shaded_px, 0.01 * nearer.covered_px);
+    EXPECT_NEAR(extents.draw(grid(2.0f), {}).shaded_px, 1e4, 200.0);
+    EXPECT_NEAR(extents.draw(grid(1.0f), {}).shaded_px, 1e4, 200.0);
+    EXPECT_LT(extents.draw(grid(1.5f), {}).shaded_px, 100.0);
 }
 
 TEST(ScreenExtent, NoPictureAndAHugeOneStayFinite) {
@@ -134,7 +133,6 @@ TEST(ScreenExtent, NoPictureAndAHugeOneStayFinite) {
         const ScreenExtent extent = screen_extent(square_at(1.0f), {}, from_origin(), on);
         EXPECT_TRUE(std::isfinite(extent.shaded_px));
         EXPECT_GE(extent.shaded_px, 0.0);
-        EXPECT_LE(extent.shaded_px, extent.covered_px);
     }
 }
 
