@@ -22,27 +22,11 @@ Result<GLuint> compile(GLenum stage, const char* head, const char* source) {
     return fail(ErrorCode::internal, std::string("shader: ") + log.data());
 }
 
-Result<Program> link(const std::string& head) {
-    const auto vertex = compile(GL_VERTEX_SHADER, head.c_str(), vertex_shader);
-    if (!vertex) return vertex.error();
-    const auto fragment = compile(GL_FRAGMENT_SHADER, head.c_str(), fragment_shader);
-    if (!fragment) {
-        glDeleteShader(*vertex);
-        return fragment.error();
-    }
+Result<Program> program_of(const std::string& head) {
+    const auto linked = link(head, vertex_shader, fragment_shader);
+    if (!linked) return linked.error();
     Program program;
-    program.id = glCreateProgram();
-    glAttachShader(program.id, *vertex);
-    glAttachShader(program.id, *fragment);
-    glLinkProgram(program.id);
-    glDeleteShader(*vertex);
-    glDeleteShader(*fragment);
-    GLint linked = GL_FALSE;
-    glGetProgramiv(program.id, GL_LINK_STATUS, &linked);
-    if (!linked) {
-        glDeleteProgram(program.id);
-        return fail(ErrorCode::internal, "shader program does not link");
-    }
+    program.id = *linked;
     const auto uniform = [&](const char* name) { return glGetUniformLocation(program.id, name); };
     program.clip_from_scene = uniform("u_clip_from_scene");
     program.view_from_scene = uniform("u_view_from_scene");
@@ -78,6 +62,27 @@ std::string definitions(Style style, const Look& look) {
 
 }  // namespace
 
+Result<GLuint> link(const std::string& head, const char* vertex_source, const char* fragment_source) {
+    const auto vertex = compile(GL_VERTEX_SHADER, head.c_str(), vertex_source);
+    if (!vertex) return vertex.error();
+    const auto fragment = compile(GL_FRAGMENT_SHADER, head.c_str(), fragment_source);
+    if (!fragment) {
+        glDeleteShader(*vertex);
+        return fragment.error();
+    }
+    const GLuint program = glCreateProgram();
+    glAttachShader(program, *vertex);
+    glAttachShader(program, *fragment);
+    glLinkProgram(program);
+    glDeleteShader(*vertex);
+    glDeleteShader(*fragment);
+    GLint linked = GL_FALSE;
+    glGetProgramiv(program, GL_LINK_STATUS, &linked);
+    if (linked) return program;
+    glDeleteProgram(program);
+    return fail(ErrorCode::internal, "shader program does not link");
+}
+
 Programs::~Programs() {
     for_each([](const Program& program) { glDeleteProgram(program.id); });
 }
@@ -86,11 +91,11 @@ Status Programs::link(Style style, const Look& look) {
     const auto key = std::pair(style, look);
     if (pairs_.contains(key)) return Nothing{};
     const std::string defined = definitions(style, look);
-    const auto whole = render::link(SHADER_300 + defined);
+    const auto whole = program_of(SHADER_300 + defined);
     if (!whole) return whole.error();
     const std::string fading_head =
         driver_version() >= 32 ? SHADER_320 "#define FADING\n#define SAMPLES\n" : SHADER_300 "#define FADING\n";
-    const auto fading = render::link(fading_head + defined);
+    const auto fading = program_of(fading_head + defined);
     if (!fading) {
         glDeleteProgram(whole->id);
         return fading.error();

@@ -5,6 +5,7 @@
 #include <compare>
 #include <functional>
 #include <map>
+#include <string>
 #include <utility>
 
 #include "client/render/gl_objects.h"
@@ -32,6 +33,9 @@ struct Program {
 inline bool is_of_discs(const Program& program) {
     return program.disc >= 0;
 }
+
+// Links a pair of shaders behind `head`, the version and what is defined. Errors: internal, with the driver's words.
+Result<GLuint> link(const std::string& head, const char* vertex, const char* fragment);
 
 class Programs {
   public:

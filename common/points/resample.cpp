@@ -79,22 +79,37 @@ void draw_as_point(const Corners& corners, std::uint32_t triangle, const Raster&
     hits[axis].push_back({y * size.width + x, static_cast<float>(center.z), triangle | drawn_as_point});
 }
 
-void draw(const mesh::Mesh& mesh, std::size_t triangle, const Raster& raster, Hits& hits) {
-    const Corners corners = corners_px(mesh, triangle, raster);
-    const auto number = static_cast<std::uint32_t>(triangle);
-    bool is_drawn = false;
+// Where a triangle is seen along an axis; false: edge-on.
+bool hit_at(const Corners& seen, std::uint32_t pixel, std::uint32_t triangle, const ViewSize& size, Hit& hit) {
+    Vec3d w;
+    if (!weights_at(seen, pixel % size.width + 0.5, pixel / size.width + 0.5, w)) return false;
+    const double depth = w.x * seen[0].z + w.y * seen[1].z + w.z * seen[2].z;
+    hit = {pixel, static_cast<float>(depth), triangle};
+    return true;
+}
+
+// Calls emit(axis, hit) for every pixel of every view; returns whether there was one.
+template <class Emit>
+bool for_each_hit(const Corners& corners, std::uint32_t triangle, const Raster& raster, const Emit& emit) {
+    bool is_hit = false;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const Corners seen = seen_along(corners, axis);
         const ViewSize size = raster.view(axis);
         for_each_pixel(seen, size.width, size.height, [&](std::uint32_t x, std::uint32_t y) {
-            Vec3d w;
-            if (!weights_at(seen, x + 0.5, y + 0.5, w)) return;
-            const double depth = w.x * seen[0].z + w.y * seen[1].z + w.z * seen[2].z;
-            hits[axis].push_back({y * size.width + x, static_cast<float>(depth), number});
-            is_drawn = true;
+            Hit hit;
+            if (!hit_at(seen, y * size.width + x, triangle, size, hit)) return;
+            emit(axis, hit);
+            is_hit = true;
         });
     }
-    if (!is_drawn) draw_as_point(corners, number, raster, hits);
+    return is_hit;
+}
+
+void draw(const mesh::Mesh& mesh, std::size_t triangle, const Raster& raster, Hits& hits) {
+    const Corners corners = corners_px(mesh, triangle, raster);
+    const auto number = static_cast<std::uint32_t>(triangle);
+    const auto add = [&](std::size_t axis, const Hit& hit) { hits[axis].push_back(hit); };
+    if (!for_each_hit(corners, number, raster, add)) draw_as_point(corners, number, raster, hits);
 }
 
 Hits draw_all(const mesh::Mesh& mesh, const Raster& raster, const simplify::Executor& executor) {
@@ -111,6 +126,43 @@ Hits draw_all(const mesh::Mesh& mesh, const Raster& raster, const simplify::Exec
         }
     });
     return all;
+}
+
+// By views that another draws. A triangle that none of them shows may be hidden, or lie between the centres of all
+// pixels, or have centres just on its edge, which a GPU gives to one side only: there it counts where nothing else is.
+Result<Hits> draw_all(const mesh::Mesh& mesh, const Raster& raster, const DrawSlices& draw_slices) {
+    Hits hits;
+    std::array<std::vector<std::uint8_t>, 3> is_filled;
+    std::vector<std::array<Vec3f, 3>> triangles(mesh.triangles.size());
+    std::vector<std::uint8_t> is_seen(mesh.triangles.size(), 0);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        for (std::size_t t = 0; t < triangles.size(); ++t) {
+            const Corners seen = seen_along(corners_px(mesh, t, raster), axis);
+            triangles[t] = {Vec3f(seen[0]), Vec3f(seen[1]), Vec3f(seen[2])};
+        }
+        const ViewSize size = raster.view(axis);
+        const auto drawn = draw_slices({size, triangles});
+        if (!drawn) return drawn.error();
+        is_filled[axis].assign(std::size_t{size.width} * size.height, 0);
+        for (const Seen& seen : *drawn) {
+            if (seen.pixel >= is_filled[axis].size() || seen.triangle >= triangles.size())
+                return fail(ErrorCode::internal, "a slice shows a pixel or a triangle that is not there");
+            is_seen[seen.triangle] = is_filled[axis][seen.pixel] = 1;
+            Hit hit;
+            const Corners corners = seen_along(corners_px(mesh, seen.triangle, raster), axis);
+            if (hit_at(corners, seen.pixel, seen.triangle, size, hit)) hits[axis].push_back(hit);
+        }
+    }
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        if (is_seen[t]) continue;
+        const Corners corners = corners_px(mesh, t, raster);
+        const auto number = static_cast<std::uint32_t>(t);
+        const auto add_where_empty = [&](std::size_t axis, const Hit& hit) {
+            if (!is_filled[axis][hit.pixel]) hits[axis].push_back(hit);
+        };
+        if (!for_each_hit(corners, number, raster, add_where_empty)) draw_as_point(corners, number, raster, hits);
+    }
+    return hits;
 }
 
 // Where a sample lies in pixels, and the weights of its triangle's corners there.
@@ -218,6 +270,11 @@ PointCloud points_of(const mesh::Mesh& mesh, const Samples& all, const std::vect
     return cloud;
 }
 
+PointCloud points_of(const mesh::Mesh& mesh, Hits hits, const Raster& raster, const ResampleOptions& options) {
+    const Samples samples = sample_views(mesh, std::move(hits), raster, options);
+    return points_of(mesh, samples, seen_from_outside(samples, raster), raster, options);
+}
+
 // Summed over the three views, in squares of the box's longest side.
 double projected_area(const mesh::Mesh& mesh, double longest) {
     double sum = 0.0;
@@ -245,8 +302,16 @@ Parameters choose_parameters(const mesh::Mesh& mesh, std::uint64_t budget, std::
 PointCloud resample(const mesh::Mesh& mesh, const Parameters& parameters, const ResampleOptions& options) {
     if (mesh.triangles.empty()) return {};
     const Raster raster = raster_of(mesh::bounds(mesh), parameters);
-    const Samples samples = sample_views(mesh, draw_all(mesh, raster, options.executor), raster, options);
-    return points_of(mesh, samples, seen_from_outside(samples, raster), raster, options);
+    return points_of(mesh, draw_all(mesh, raster, options.executor), raster, options);
+}
+
+Result<PointCloud> resample(const mesh::Mesh& mesh, const Parameters& parameters, const DrawSlices& draw,
+                            const ResampleOptions& options) {
+    if (mesh.triangles.empty()) return PointCloud{};
+    const Raster raster = raster_of(mesh::bounds(mesh), parameters);
+    auto hits = draw_all(mesh, raster, draw);
+    if (!hits) return hits.error();
+    return points_of(mesh, *std::move(hits), raster, options);
 }
 
 }  // namespace lodestream::points

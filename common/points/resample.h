@@ -9,9 +9,13 @@
 // point is on the screen is for the renderer (Level::radius).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <span>
+#include <vector>
 
+#include "common/base/result.h"
 #include "common/mesh/mesh.h"
 #include "common/points/point_cloud.h"
 #include "common/simplify/executor.h"
@@ -57,5 +61,32 @@ struct ResampleOptions {
 // 128th of the extent. The same for every executor. Memory: at most about 100 bytes for each triangle and pixel hit.
 // At most max_points; empty for a mesh without triangles.
 PointCloud resample(const mesh::Mesh& mesh, const Parameters& parameters, const ResampleOptions& options = {});
+
+struct ViewSize {
+    std::uint32_t width = 1, height = 1;  // px
+    double slice_px = 1.0;                // thickness of a slice
+    std::uint32_t slices = 1;             // along the longest side
+};
+
+// One axis' view, for whoever draws it. Slice i has the depths from i * slice_px, and the last one the far end too.
+struct SlicedView {
+    ViewSize size;
+    std::span<const std::array<Vec3f, 3>>
+        triangles;  // corners: x and y in px from the picture's corner, depth likewise
+};
+
+struct Seen {
+    std::uint32_t pixel = 0;  // y * width + x
+    std::uint32_t triangle = 0;
+};
+
+// What each slice shows, pixel by pixel, nearest to either end of the axis; one that is both comes once.
+using DrawSlices = std::function<Result<std::vector<Seen>>(const SlicedView& view)>;
+
+// The same with views that a GPU draws (client/render/slices.h). Pixels whose centres lie within the GPU's own
+// precision of an edge, 1/256 px as a rule, may show another triangle. Errors: those of `draw`; internal where it names
+// a pixel or a triangle that is not there.
+Result<PointCloud> resample(const mesh::Mesh& mesh, const Parameters& parameters, const DrawSlices& draw,
+                            const ResampleOptions& options = {});
 
 }  // namespace lodestream::points

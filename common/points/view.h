@@ -33,12 +33,6 @@ struct Sample {
     bool fills_a_hole = false;  // lies at the pixel and depth, beside the triangle
 };
 
-struct ViewSize {
-    std::uint32_t width = 1, height = 1;  // px
-    double slice_px = 1.0;                // thickness of a slice
-    std::uint32_t slices = 1;             // along the longest side
-};
-
 // The hits that some slice shows to one of the two directions, and the holes that the filter closes; in the order of
 // pixels and depths.
 std::vector<Sample> sampled(std::vector<Hit> hits, const ViewSize& size, HoleFilter filter);

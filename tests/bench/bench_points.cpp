@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "client/render/gl_context.h"
+#include "client/render/slices.h"
 #include "client/report/choice_groups.h"
 #include "client/report/crowd.h"
 #include "client/report/machine.h"
@@ -30,6 +31,7 @@
 #include "tests/bench/stopwatch.h"
 #include "tests/bench/table.h"
 #include "tests/bench/value_of.h"
+#include "tests/support/cloud_difference.h"
 
 namespace lodestream::bench {
 namespace {
@@ -44,7 +46,7 @@ struct Arguments {
     std::uint32_t directions = 8;
     bool scores = false;
     bool parameters = false;
-    bool levels = false;
+    bool levels = false, paths = false;
     bool share = false;
     bool codecs = false;
     std::vector<std::uint32_t> crowds;
@@ -209,6 +211,7 @@ class Bench {
         study(arguments_.scores, &Bench::score);
         study(arguments_.parameters, &Bench::vary);
         study(arguments_.levels, &Bench::time_levels);
+        study(arguments_.paths, &Bench::compare_paths);
         study(arguments_.share, &Bench::compare_with_levels);
         study(arguments_.codecs, &Bench::compare_codecs);
         study(!arguments_.crowds.empty(), &Bench::time_crowds);
@@ -273,6 +276,27 @@ class Bench {
                   << " ordered points in " << fixed(1e-3 * median(wall_ms), 2) << " s, CPU "
                   << fixed(1e-3 * median(cpu_ms), 2) << " s (medians of " << turns << "), at most "
                   << fixed(1e-6 * static_cast<double>(bytes), 0) << " MB beside the model's" << std::endl;
+    }
+
+    // The views drawn by the CPU and, in slices, by the GPU.
+    void compare_paths(const std::string& name) {
+        const mesh::Model model = load(name);
+        render::SliceRenderer slices = value_of(render::SliceRenderer::create());
+        const points::DrawSlices draw = [&](const points::SlicedView& view) { return slices.draw(view); };
+        for (const std::uint32_t side : {100u, 200u, 400u}) {
+            const points::Parameters parameters{side, side};
+            const Stopwatch cpu_watch;
+            const points::PointCloud by_cpu = points::resample(model.mesh, parameters, how_);
+            const double cpu_ms = cpu_watch.elapsed().wall_ms;
+            const Stopwatch gpu_watch;
+            const points::PointCloud by_gpu = value_of(points::resample(model.mesh, parameters, draw, how_));
+            const double gpu_ms = gpu_watch.elapsed().wall_ms;
+            const double share = testing::differing_share(model.mesh, parameters, by_cpu, by_gpu);
+            std::cout << stem_of(name) << ", T1 and T3 " << side << ": CPU " << by_cpu.positions.size() << " points in "
+                      << fixed(1e-3 * cpu_ms, 2) << " s, " << context_.renderer() << " " << by_gpu.positions.size()
+                      << " in " << fixed(1e-3 * gpu_ms, 2) << " s; not in both " << fixed(100.0 * share, 3) << " %"
+                      << std::endl;
+        }
     }
 
     // Full model and points, each on its renderer.
@@ -645,6 +669,7 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     app.add_flag("--parameters", arguments.parameters, "Holes and F over filters, T1, T2 and T3");
     app.add_flag("--levels", arguments.levels, "Time and memory of making all levels of at most 300,000 points");
+    app.add_flag("--paths", arguments.paths, "Points by the CPU's views and by the GPU's: time, and what only one has");
     app.add_flag("--share", arguments.share, "The level of triangles that errs as much as the points do");
     app.add_flag("--codecs", arguments.codecs, "Bytes of levels by other codecs");
     app.add_option(
@@ -655,7 +680,7 @@ int main(int argc, char** argv) {
     app.add_option("--json", arguments.json_file, "Write a file for `lodestream-client report --points`");
     app.footer("Example:\n  lodestream_bench_points bunny.ply --scores --crowds 5 11 17 --json points.json");
     CLI11_PARSE(app, argc, argv);
-    if (!arguments.parameters && !arguments.levels && !arguments.share && !arguments.codecs &&
+    if (!arguments.parameters && !arguments.levels && !arguments.paths && !arguments.share && !arguments.codecs &&
         arguments.store.empty() && arguments.crowds.empty())
         arguments.scores = true;
     try {
