@@ -104,6 +104,7 @@ std::vector<Field<FrameRateRow>> fields() {
             {"deviation_fps", "σ fps",
              of_either([](const Flight& f) { return f.summary.deviation_fps; },
                        [](const SweepRow& s) { return s.deviation_fps; })},
+            {"deviation_ms", "σ of frames, ms", of_flight([](const Flight& f) { return f.summary.deviation_ms; })},
             {"within_deadline_percent", "in time %",
              of_either([](const Flight& f) { return 100.0 * f.summary.within_deadline; },
                        [](const SweepRow& s) { return 100.0 * s.within_deadline; })},
@@ -192,9 +193,10 @@ std::string ratios_sentence(const FrameRateResult& result) {
            std::to_string(sblc->summary.switches) + "; predictive has <strong>" +
            format_number(100.0 * predictive->summary.within_deadline) + " %</strong> of its frames in time, σ " +
            format_number(predictive->summary.deviation_fps) + " against ISBLC’s " +
-           format_number(isblc->summary.deviation_fps) + ", and its pictures are off by " +
-           format_number(predictive->image_error_percent) + " % against " + format_number(isblc->image_error_percent) +
-           " %.";
+           format_number(isblc->summary.deviation_fps) + " (of what frames take, without the wait for the next, " +
+           format_number(predictive->summary.deviation_ms) + " against " + format_number(isblc->summary.deviation_ms) +
+           " ms), and its pictures are off by " + format_number(predictive->image_error_percent) + " % against " +
+           format_number(isblc->image_error_percent) + " %.";
 }
 
 // Simulated motions on which another controller had more frames in time than the predictive one.

@@ -21,6 +21,23 @@ double median(std::vector<double> values) {
     return *middle;
 }
 
+// Sums of differences to the first value, so that values that are all alike deviate by nothing.
+class Spread {
+  public:
+    void add(double value) {
+        if (count_ == 0.0) first_ = value;
+        const double more = value - first_;
+        sum_ += more;
+        squares_ += more * more;
+        count_ += 1.0;
+    }
+    double mean() const { return first_ + sum_ / count_; }
+    double deviation() const { return std::sqrt(std::max(squares_ - sum_ * sum_ / count_, 0.0) / count_); }
+
+  private:
+    double first_ = 0.0, sum_ = 0.0, squares_ = 0.0, count_ = 0.0;
+};
+
 }  // namespace
 
 Result<std::vector<FlownFrame>> fly(const Flight& flight, const motion::Trace& trace,
@@ -65,15 +82,12 @@ FlightSummary summarize(std::span<const FlownFrame> frames, const Options& optio
     if (frames.empty()) return out;
     const double deadline = deadline_ms(options), count = static_cast<double>(frames.size());
     const auto fps = [&](const FlownFrame& frame) { return 1000.0 / std::max(frame.frame_ms, deadline); };
-    // Sums of differences to the first frame, so that frames that are all alike deviate by nothing.
-    const double first_fps = fps(frames.front());
-    out.worst_fps = first_fps;
-    double sum = 0.0, squares = 0.0;
+    out.worst_fps = fps(frames.front());
+    Spread rates, times_ms;
     std::vector<double> off;
     for (const FlownFrame& frame : frames) {
-        const double more_fps = fps(frame) - first_fps;
-        sum += more_fps;
-        squares += more_fps * more_fps;
+        rates.add(fps(frame));
+        times_ms.add(frame.frame_ms);
         out.worst_fps = std::min(out.worst_fps, fps(frame));
         out.within_deadline += (frame.frame_ms <= deadline ? 1.0 : 0.0) / count;
         out.switches += frame.switched ? 1 : 0;
@@ -82,8 +96,9 @@ FlightSummary summarize(std::span<const FlownFrame> frames, const Options& optio
         if (frame.predicted_ms && frame.frame_ms > 0.0)
             off.push_back(std::abs(*frame.predicted_ms / frame.frame_ms - 1.0));
     }
-    out.average_fps = first_fps + sum / count;
-    out.deviation_fps = std::sqrt(std::max(squares - sum * sum / count, 0.0) / count);
+    out.average_fps = rates.mean();
+    out.deviation_fps = rates.deviation();
+    out.deviation_ms = times_ms.deviation();
     if (!off.empty()) out.prediction_error = median(std::move(off));
     return out;
 }

@@ -65,7 +65,8 @@ struct FlightSummary {
     std::size_t frames = 0;
     double average_fps = 0.0;
     double worst_fps = 0.0;
-    double deviation_fps = 0.0;    // standard deviation
+    double deviation_fps = 0.0;    // standard deviation; 0 where every frame is in time
+    double deviation_ms = 0.0;     // that of frame_ms: of what frames take, no wait for the deadline in it
     double within_deadline = 0.0;  // share of the frames
     std::uint32_t switches = 0;
     double mean_error_px = 0.0;

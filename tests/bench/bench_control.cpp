@@ -43,6 +43,7 @@ std::vector<std::string> row_of(const std::vector<report::FrameRateResult>& turn
         sum.average_fps += flight.summary.average_fps;
         sum.worst_fps = std::min(sum.worst_fps, flight.summary.worst_fps);
         sum.deviation_fps += flight.summary.deviation_fps;
+        sum.deviation_ms += flight.summary.deviation_ms;
         sum.within_deadline += flight.summary.within_deadline;
         least_within = std::min(least_within, flight.summary.within_deadline);
         sum.switches += flight.summary.switches;
@@ -55,6 +56,7 @@ std::vector<std::string> row_of(const std::vector<report::FrameRateResult>& turn
             fixed(sum.average_fps / count, 2),
             fixed(sum.worst_fps, 1),
             fixed(sum.deviation_fps / count, 2),
+            fixed(sum.deviation_ms / count, 2),
             fixed(100.0 * sum.within_deadline / count, 2),
             fixed(100.0 * least_within, 2),
             fixed(sum.switches / count, 1),
@@ -64,8 +66,8 @@ std::vector<std::string> row_of(const std::vector<report::FrameRateResult>& turn
 }
 
 std::string table_of(const std::vector<report::FrameRateResult>& turns) {
-    std::vector<TableRow> table{{"controller", "fps", "worst", "deviation", "in time %", "least", "switches",
-                                 "mean level", "picture off %", "other cores"}};
+    std::vector<TableRow> table{{"controller", "fps", "worst", "deviation", "of frames, ms", "in time %", "least",
+                                 "switches", "mean level", "picture off %", "other cores"}};
     for (std::size_t kind = 0; kind < std::size(control::kinds); ++kind) table.push_back(row_of(turns, kind));
     return to_text(table);
 }

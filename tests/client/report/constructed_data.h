@@ -100,7 +100,7 @@ inline AssetResult asset_result(const std::string& name) {
 inline FlightResult flight_result(const std::string& controller, double within_deadline) {
     FlightResult out;
     out.controller = controller;
-    out.summary = {2, 50.0, 40.0, 5.0, within_deadline, 3, 1.5, 0.5, std::nullopt};
+    out.summary = {2, 50.0, 40.0, 5.0, 7.5, within_deadline, 3, 1.5, 0.5, std::nullopt};
     out.frames = {{0.0, 10.0, 0, 1000, 0.0, 0.0, false, 1, std::nullopt},
                   {0.02, 25.0, 1, 250, 90.0, 2.0, true, 2, std::nullopt}};
     out.image_error_percent = 2.5;

@@ -113,6 +113,7 @@ TEST(Flight, AFlightInNumbers) {
     EXPECT_DOUBLE_EQ(summary.average_fps, 43.75);
     EXPECT_DOUBLE_EQ(summary.worst_fps, 25.0);
     EXPECT_NEAR(summary.deviation_fps, std::sqrt((3 * 6.25 * 6.25 + 18.75 * 18.75) / 4.0), 1e-12);
+    EXPECT_NEAR(summary.deviation_ms, std::sqrt((100.0 + 400.0 + 100.0) / 4.0), 1e-12);
     EXPECT_DOUBLE_EQ(summary.within_deadline, 0.75);
     EXPECT_EQ(summary.switches, 1u);
     EXPECT_DOUBLE_EQ(summary.mean_error_px, 0.5);
@@ -123,6 +124,7 @@ TEST(Flight, AFlightInNumbers) {
     options.target_fps = 60.0;
     const std::vector<FlownFrame> even(241, frames[0]);
     EXPECT_EQ(summarize(even, options).deviation_fps, 0.0);
+    EXPECT_EQ(summarize(even, options).deviation_ms, 0.0);
 }
 
 }  // namespace
