@@ -17,9 +17,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t small_side_px = 64, triangle_side_px = 256, fill_side_px = 512, picture_side_px = 768;
+constexpr std::uint32_t small_side_px = 64, triangle_side_px = 256, fill_side_px = 256, picture_side_px = 768;
 constexpr std::uint32_t large_side_px = 1024;
-constexpr std::uint32_t fill_layers = 8;
+constexpr std::uint32_t fill_layers = 32;
 constexpr std::uint32_t few_rings = 2, coarse_rings = 5, fine_rings = 40;
 constexpr std::uint32_t first_rings = 32, most_rings = 512;  // of the larger ball whose triangles count
 constexpr std::uint32_t point_rings = 64;
