@@ -2,6 +2,7 @@
 
 #include <array>
 #include <string>
+#include <utility>
 
 #include "client/render/shaders.h"
 
@@ -60,6 +61,13 @@ std::string definitions(Style style, const Look& look) {
     return text;
 }
 
+std::uint32_t key_of(Style style, const Look& look) {
+    std::uint32_t key = static_cast<std::uint32_t>(style);
+    for (const bool has : {look.has_colors, look.has_base_color_image, look.has_emissive_image, look.is_masked})
+        key = key << 1 | (has ? 1u : 0u);
+    return key;
+}
+
 }  // namespace
 
 Result<GLuint> link(const std::string& head, const char* vertex_source, const char* fragment_source) {
@@ -88,7 +96,7 @@ Programs::~Programs() {
 }
 
 Status Programs::link(Style style, const Look& look) {
-    const auto key = std::pair(style, look);
+    const std::uint32_t key = key_of(style, look);
     if (pairs_.contains(key)) return Nothing{};
     const std::string defined = definitions(style, look);
     const auto whole = program_of(SHADER_300 + defined);
@@ -105,7 +113,7 @@ Status Programs::link(Style style, const Look& look) {
 }
 
 const Program& Programs::at(Style style, const Look& look, bool fades) const {
-    const Pair& pair = pairs_.at({style, look});
+    const Pair& pair = pairs_.at(key_of(style, look));
     return fades ? pair.fading : pair.whole;
 }
 

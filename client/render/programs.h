@@ -2,11 +2,10 @@
 // context.
 #pragma once
 
-#include <compare>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
-#include <utility>
 
 #include "client/render/gl_objects.h"
 #include "common/base/result.h"
@@ -20,7 +19,6 @@ struct Look {
     bool has_base_color_image = false, has_emissive_image = false;
     bool is_masked = false;
     bool is_textured() const { return has_base_color_image || has_emissive_image; }
-    auto operator<=>(const Look&) const = default;
 };
 
 // Locations are -1 where the program has no such uniform.
@@ -57,7 +55,7 @@ class Programs {
     struct Pair {
         Program whole, fading;
     };
-    std::map<std::pair<Style, Look>, Pair> pairs_;
+    std::map<std::uint32_t, Pair> pairs_;  // by style and look
 };
 
 }  // namespace lodestream::render

@@ -82,7 +82,8 @@ void draw_as_point(const Corners& corners, std::uint32_t triangle, const Raster&
 // Where a triangle is seen along an axis; false: edge-on.
 bool hit_at(const Corners& seen, std::uint32_t pixel, std::uint32_t triangle, const ViewSize& size, Hit& hit) {
     Vec3d w;
-    if (!weights_at(seen, pixel % size.width + 0.5, pixel / size.width + 0.5, w)) return false;
+    const std::uint32_t column = pixel % size.width, row = pixel / size.width;
+    if (!weights_at(seen, column + 0.5, row + 0.5, w)) return false;
     const double depth = w.x * seen[0].z + w.y * seen[1].z + w.z * seen[2].z;
     hit = {pixel, static_cast<float>(depth), triangle};
     return true;

@@ -88,7 +88,7 @@ struct Raster {
         const Vec3d normal = cross(at[1] - at[0], at[2] - at[0]);
         const double by_x = normal.z != 0.0 ? -normal.x / normal.z : 0.0;
         const double by_y = normal.z != 0.0 ? -normal.y / normal.z : 0.0;
-        const auto [least, most] = std::minmax({at[0].z, at[1].z, at[2].z});
+        const double least = std::min({at[0].z, at[1].z, at[2].z}), most = std::max({at[0].z, at[1].z, at[2].z});
         for_each_pixel(at, width, height, [&](std::uint32_t x, std::uint32_t y) {
             const double told = at[0].z + (x + 0.5 - at[0].x) * by_x + (y + 0.5 - at[0].y) * by_y;
             const auto nearness = static_cast<float>(std::clamp(told, least, most));
