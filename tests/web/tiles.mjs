@@ -131,9 +131,10 @@ function place_in_cesium(widget, tileset, { eye, target, up, fov_y_deg }) {
   widget.camera.setView({ destination: point(eye), orientation: { direction: turned(direction), up: turned(z_up(up)) } });
 }
 
+// Nothing is drawn until all is here: without a GPU, frames of what comes in between take most of the time.
 window.measure_cesium = async (url, view) => {
   const widget = cesium_scene();
-  const tileset = await Cesium.Cesium3DTileset.fromUrl(url, { maximumScreenSpaceError: view.error_px });
+  const tileset = await Cesium.Cesium3DTileset.fromUrl(url, { maximumScreenSpaceError: view.error_px, show: false, preloadWhenHidden: true });
   let failed = 0, drawn = new Set();
   tileset.tileFailed.addEventListener(() => ++failed);
   tileset.tileVisible.addEventListener((tile) => {
@@ -141,11 +142,15 @@ window.measure_cesium = async (url, view) => {
   });
   widget.scene.primitives.add(tileset);
   place_in_cesium(widget, tileset, view);
-  await until_settled(() => {
+  const step = (is_settled) => until_settled(() => {
     drawn = new Set();
     widget.resize();
     widget.render();
-    return { settled: tileset.tilesLoaded && drawn.size > 0, loaded: tileset.statistics.numberOfTilesWithContentReady };
+    const loaded = tileset.statistics.numberOfTilesWithContentReady;
+    return { settled: tileset.tilesLoaded && is_settled(loaded), loaded };
   });
+  await step((loaded) => loaded > 0);
+  tileset.show = true;
+  await step(() => drawn.size > 0);
   return { drawn: [...drawn], failed, picture: widget.canvas.toDataURL() };
 };
