@@ -18,6 +18,9 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 // Rounding in float takes less than this from what a box is compared with.
 constexpr float shrink = 1.0f - 1e-6f;
 constexpr double grow = 1.0 + 1e-6;
+// Of scaled lengths: more than rounding in float takes from a ray's way to a box.
+constexpr float box_slack = 4e-6f;
+constexpr double least_slope = 1e-12;       // of a ray along an axis, so that nothing is divided by zero
 constexpr double smallest_squared = 1e-36;  // of scaled lengths: a float's squares are as exact down to there
 
 double squared(const Vec3d& v) {
@@ -246,6 +249,73 @@ TriangleTree::Hit TriangleTree::nearest(const Vec3d& point, double bound) const 
         }
     }
     return hit;
+}
+
+// Distances are scaled as the boxes are.
+struct TriangleTree::Ray {
+    Ray(const Vec3d& from, const Vec3d& direction, double scale) : origin(saturated(scale * from)) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const double slope = direction[axis];
+            per_slope[axis] = static_cast<float>(1.0 / (std::abs(slope) < least_slope ? least_slope : slope));
+        }
+    }
+    Vec3f origin, per_slope;
+};
+
+// Where the ray enters the boxes; infinity where it misses one or enters it beyond `to`.
+TriangleTree::Lanes TriangleTree::entries(const Node& node, const Ray& ray, float to) {
+    const Lanes never = Lanes{} + infinity;
+    Lanes enter{}, leave = Lanes{} + to;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto k = static_cast<std::size_t>(axis);
+        const Lanes a = (node.min[k] - box_slack - ray.origin[axis]) * ray.per_slope[axis];
+        const Lanes b = (node.max[k] + box_slack - ray.origin[axis]) * ray.per_slope[axis];
+        const Lanes first = a < b ? a : b, last = a < b ? b : a;
+        enter = first > enter ? first : enter;
+        leave = last < leave ? last : leave;
+    }
+    return enter <= leave ? enter : never;
+}
+
+// Moller and Trumbore 1997, "Fast, minimum storage ray-triangle intersection".
+TriangleTree::Crossing TriangleTree::first_along(const Vec3d& origin, const Vec3d& direction, double from,
+                                                 double to) const {
+    Crossing first{to, no_triangle, Vec3d(0.0)};
+    if (nodes_.empty()) return first;
+    const Ray ray(origin, direction, scale_);
+    const auto meet = [&](std::uint32_t t) {
+        const Vec3d corner(triangles_[t][0]), ab = Vec3d(triangles_[t][1]) - corner,
+                                              ac = Vec3d(triangles_[t][2]) - corner, to_origin = origin - corner;
+        const Vec3d p = cross(direction, ac), q = cross(to_origin, ab);
+        const double volume = dot(ab, p);
+        const double v = dot(to_origin, p) / volume, w = dot(direction, q) / volume, distance = dot(ac, q) / volume;
+        if (v >= 0.0 && w >= 0.0 && v + w <= 1.0 && distance >= from && distance < first.distance)
+            first = {distance, t, {1.0 - v - w, v, w}};
+    };
+    struct Open {
+        float entry;
+        Range range;
+    };
+    std::array<Open, max_open> open;
+    std::size_t count = 0;
+    open[count++] = {0.0f, {0, 0}};
+    while (count > 0) {
+        const auto [entry, range] = open[--count];
+        const float limit = saturated(scale_ * first.distance * grow);
+        if (entry > limit) continue;
+        for (std::uint32_t t = range.first; t < range.first + range.count; ++t) meet(t);
+        if (range.count > 0) continue;
+        const Lanes entered = entries(nodes_[range.first], ray, limit);
+        const std::size_t begin = count;
+        for (std::size_t k = 0; k < width; ++k) {
+            const Range& child = nodes_[range.first].children[k];
+            if ((child.count == 0 && child.first == 0) || !(entered[k] < infinity)) continue;
+            std::size_t place = count++;  // the first last
+            for (; place > begin && open[place - 1].entry < entered[k]; --place) open[place] = open[place - 1];
+            open[place] = {entered[k], child};
+        }
+    }
+    return first;
 }
 
 SurfacePlace nearest_place(const TriangleTree& tree, const mesh::Mesh& mesh, const Vec3d& point) {

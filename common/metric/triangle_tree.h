@@ -30,6 +30,15 @@ class TriangleTree {
     // The nearest triangle, if it is nearer than `bound` (squared).
     Hit nearest(const Vec3d& point, double bound) const;
 
+    struct Crossing {
+        double distance;         // in lengths of the direction
+        std::uint32_t triangle;  // as in Hit
+        Vec3d weights;           // of its corners there
+    };
+    // The first triangle of those that the ray meets at distances in [from, to). What lies in its own plane it does not
+    // meet. pre: the origin is no more than some sizes of the mesh away; the direction is a unit vector
+    Crossing first_along(const Vec3d& origin, const Vec3d& direction, double from, double to) const;
+
     // Squared distance to the nearest triangle, or `bound` (squared) if none is nearer.
     double squared_distance(const Vec3d& point, double bound) const { return nearest(point, bound).squared_distance; }
 
@@ -78,6 +87,9 @@ class TriangleTree {
     static FloatBox box_of(std::span<const Item> items);
     void set_box(Node& node, std::size_t child, const FloatBox& box) const;
     static Lanes squared_distances(const Node& node, const Query& query);
+    // A ray as the boxes have it.
+    struct Ray;
+    static Lanes entries(const Node& node, const Ray& ray, float to);
 
     std::vector<Node> nodes_;
     // A power of two that brings the largest coordinate near one: lengths that floats cannot square, however large or

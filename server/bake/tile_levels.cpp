@@ -73,7 +73,7 @@ Result<codec::Encoded> encode_tile(const Surface& surface, const metric::Surface
         options.images = std::move(images);
         return codec::encode_level(model, surface.mesh, all_gouraud, options);
     }
-    Result<mesh::Model> painted = colors->paint(surface.mesh);
+    Result<mesh::Model> painted = colors->paint_as_seen(surface.mesh);
     if (!painted) return painted.error();
     painted->origin = model.origin;
     return codec::encode_level(*painted, painted->mesh, all_gouraud, options);

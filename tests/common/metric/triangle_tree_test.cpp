@@ -55,6 +55,54 @@ TEST_P(TriangleTreeTest, FindsTheSameAsLookingAtEveryTriangle) {
     for (const Vec3f& corner : mesh.positions) EXPECT_EQ(tree.squared_distance(Vec3d(corner), infinity), 0.0);
 }
 
+// Looks at every triangle by itself: each as a tree of its own.
+double first_of_all(const mesh::Mesh& mesh, const Vec3d& origin, const Vec3d& direction, double from) {
+    double first = infinity;
+    for (const mesh::Triangle& t : mesh.triangles) {
+        mesh::Mesh one;
+        for (const std::uint32_t v : t) one.positions.push_back(mesh.positions[v]);
+        one.triangles.push_back({0, 1, 2});
+        first = std::min(first, TriangleTree(one).first_along(origin, direction, from, infinity).distance);
+    }
+    return first;
+}
+
+TEST_P(TriangleTreeTest, ARayMeetsFirstWhatItMeetsFirstOfAll) {
+    const auto [scale, center] = GetParam();
+    const mesh::Mesh mesh = soup(300, scale, center);
+    const TriangleTree tree(mesh);
+    std::mt19937 random(13);
+    std::normal_distribution<double> normal;
+    int met = 0;
+    for (int i = 0; i < 200; ++i) {
+        const Vec3d origin = scale * (center + Vec3d(normal(random), normal(random), normal(random)));
+        Vec3d direction(normal(random), normal(random), i % 4 == 0 ? 0.0 : normal(random));
+        if (i % 8 == 0) direction.y = 0.0;
+        direction = normalize(direction);
+        const double from = i % 2 == 0 ? 0.0 : 0.5 * scale;
+        const TriangleTree::Crossing first = tree.first_along(origin, direction, from, infinity);
+        EXPECT_EQ(first.distance, first_of_all(mesh, origin, direction, from));
+        if (first.triangle == TriangleTree::no_triangle) continue;
+        ++met;
+        const TriangleTree::Corners& t = tree.triangles()[first.triangle];
+        const Vec3d there =
+            first.weights.x * Vec3d(t[0]) + first.weights.y * Vec3d(t[1]) + first.weights.z * Vec3d(t[2]);
+        EXPECT_LE(distance(there, origin + first.distance * direction), 1e-9 * scale * (1.0 + length(center)));
+        EXPECT_EQ(tree.first_along(origin, direction, from, first.distance).triangle, TriangleTree::no_triangle)
+            << "nothing is met before it";
+    }
+    EXPECT_GT(met, 50);
+}
+
+TEST(TriangleTree, ARayAlongATriangleOrWithoutAnyMeetsNothing) {
+    mesh::Mesh flat;
+    EXPECT_EQ(TriangleTree(flat).first_along(Vec3d(0.0), {1, 0, 0}, 0.0, infinity).triangle, TriangleTree::no_triangle);
+    flat.positions = {{1, 0, 0}, {2, 0, 0}, {1, 1, 0}};
+    flat.triangles = {{0, 1, 2}, {0, 1, 1}};
+    EXPECT_EQ(TriangleTree(flat).first_along(Vec3d(0.0), {1, 0, 0}, 0.0, infinity).triangle, TriangleTree::no_triangle);
+    EXPECT_EQ(TriangleTree(flat).first_along({1.1, 0.1, 3.0}, {0, 0, -1}, 0.0, infinity).distance, 3.0);
+}
+
 INSTANTIATE_TEST_SUITE_P(AnyScale, TriangleTreeTest,
                          ::testing::Values(Place{1.0, Vec3d(0.0)}, Place{1.0, Vec3d(5000.0, -300.0, 0.0)},
                                            Place{1e-30, Vec3d(0.0)}, Place{1e30, Vec3d(0.0)},
