@@ -70,6 +70,8 @@ QuantizationGrid choose_grid(const Box& bounds, double error, double mean_edge_l
 // not above choose_grid()'s step. Windows of one step decode a position that they share to the same bits, and a small
 // part of a large scene needs no more bits for being far from its middle.
 QuantizationGrid choose_window(const Box& bounds, double error, double mean_edge_length);
+// The same of the greatest power of two that is not above `step`, or of the finest that there is; 0: that one.
+QuantizationGrid window_of_step(const Box& bounds, double step);
 
 // An image to be sent in place of one of the model's.
 struct SmallerImage {

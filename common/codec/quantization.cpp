@@ -81,9 +81,7 @@ double wanted_step(double error, double mean_edge_length) {
     return std::clamp(by_error, mean_edge_length / finest_steps_per_edge, mean_edge_length / coarsest_steps_per_edge);
 }
 
-}  // namespace
-
-QuantizationGrid choose_grid(const Box& bounds, double error, double mean_edge_length) {
+QuantizationGrid grid_of_step(const Box& bounds, double step) {
     QuantizationGrid grid;
     grid.bits = max_position_bits;
     if (bounds.empty() || !all_finite(bounds.min) || !all_finite(bounds.max)) return grid;
@@ -95,12 +93,17 @@ QuantizationGrid choose_grid(const Box& bounds, double error, double mean_edge_l
     }
     grid.range = std::max(float_at_least(range), min_range);
 
-    const double step = wanted_step(error, mean_edge_length);
     const double steps = static_cast<double>(grid.range) / step;
     if (steps < std::ldexp(1.0, max_position_bits))
         grid.bits =
             std::clamp(static_cast<int>(std::ceil(std::log2(steps + 1.0))), min_position_bits, max_position_bits);
     return grid;
+}
+
+}  // namespace
+
+QuantizationGrid choose_grid(const Box& bounds, double error, double mean_edge_length) {
+    return grid_of_step(bounds, wanted_step(error, mean_edge_length));
 }
 
 bool is_faithful(const mesh::Mesh& level, double normal_error_degrees) {
@@ -152,13 +155,16 @@ void fit_normals(EncodeOptions& options, const mesh::Mesh& level, double normal_
 }
 
 QuantizationGrid choose_window(const Box& bounds, double error, double mean_edge_length) {
-    const QuantizationGrid free = choose_grid(bounds, error, mean_edge_length);
+    return window_of_step(bounds, wanted_step(error, mean_edge_length));
+}
+
+QuantizationGrid window_of_step(const Box& bounds, double step) {
+    const QuantizationGrid free = grid_of_step(bounds, step);
     if (bounds.empty() || !all_finite(bounds.min) || !all_finite(bounds.max)) return free;
     const double farthest = largest(glm::max(glm::abs(bounds.min), glm::abs(bounds.max)));
     const double size = std::max<double>(largest(bounds.extent()), min_range);
     if (farthest > max_window_coordinate) return free;
 
-    const double step = wanted_step(error, mean_edge_length);
     int exponent = positive(step) ? std::ilogb(std::min(step, size)) : std::numeric_limits<int>::min();
     // Single precision holds every multiple within the window, and the most bits reach across it.
     exponent = std::max({exponent, std::ilogb(std::max<double>(farthest, min_range)) - lattice_bits,

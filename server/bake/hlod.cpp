@@ -23,6 +23,7 @@
 #include "server/bake/scene_source.h"
 #include "server/bake/seen_surface.h"
 #include "server/bake/textures.h"
+#include "server/bake/tile_borders.h"
 
 namespace lodestream::bake {
 
@@ -126,6 +127,7 @@ class TileMaker {
     }
 
     Result<TileTree> make() {
+        borders_.emplace(model_.mesh, triangles_of_leaves(), all_cores());
         shape_tiles_.resize(shapes_.size());
         all_cores()(shapes_.size(), [&](std::size_t i) {
             if (Status made = make_shape(i); !made) stop(made.error());
@@ -178,14 +180,29 @@ class TileMaker {
         hierarchy_.nodes[index].child_count = static_cast<std::uint32_t>(hierarchy_.nodes.size()) - first_child;
     }
 
+    // Of each node that is a leaf and no instance, rising.
+    std::vector<std::vector<std::uint32_t>> triangles_of_leaves() const {
+        std::vector<std::vector<std::uint32_t>> all(hierarchy_.nodes.size());
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const scene::HierarchyNode& node = hierarchy_.nodes[i];
+            if (node.child_count > 0 || branches_[i].instance) continue;
+            for (std::uint32_t k = 0; k < node.object_count; ++k) {
+                const auto more = triangles_.of(hierarchy_.objects[node.first_object + k]);
+                all[i].insert(all[i].end(), more.begin(), more.end());
+            }
+            std::sort(all[i].begin(), all[i].end());
+        }
+        return all;
+    }
+
     // The tiles that all instances of a shape have, in its own coordinates.
     Status make_shape(std::size_t index) {
         for (const ShapeLevel& level : shapes_[index]) {
             std::vector<Tile>& tiles = shape_tiles_[index];
-            Result<Tile> tile = store_tile({level.mesh, false}, level.error, shapes_model_,
+            const codec::QuantizationGrid grid = tile_grid(level.mesh, level.error);
+            Result<Tile> tile = store_tile({level.mesh, false}, level.error, grid, shapes_model_,
                                            "shape/" + std::to_string(index) + '/' + std::to_string(tiles.size()));
             if (!tile) return tile.error();
-            const codec::QuantizationGrid grid = tile_grid(level.mesh, level.error);
             if (!tiles.empty())
                 tile->node.error = std::max(tiles.back().node.error, level.error.max + rounding_error(grid));
             tiles.push_back(*std::move(tile));
@@ -250,16 +267,11 @@ class TileMaker {
     }
 
     Status make_leaf(std::uint32_t index, const simplify::Executor& executor) {
-        const scene::HierarchyNode& node = hierarchy_.nodes[index];
-        std::vector<std::uint32_t> triangles;
-        for (std::uint32_t i = 0; i < node.object_count; ++i) {
-            const auto more = triangles_.of(hierarchy_.objects[node.first_object + i]);
-            triangles.insert(triangles.end(), more.begin(), more.end());
-        }
-        std::sort(triangles.begin(), triangles.end());
-        mesh::Mesh source = mesh::part(model_.mesh, triangles);
+        Surface rounded{borders_->mesh(index), false};
+        rounded.mesh.triangle_objects.clear();
+        if (Status added = add_tile(index, rounded, {}, borders_->grid(index)); !added) return added;
+        mesh::Mesh source = mesh::part(model_.mesh, borders_->triangles(index));
         source.triangle_objects.clear();
-        if (Status added = add_tile(index, {source, false}, {}); !added) return added;
 
         std::vector<std::uint64_t> counts;
         add_chain(counts, source.triangles.size(), index == 0 ? coarsest_tile : tile_triangles);
@@ -306,7 +318,8 @@ class TileMaker {
             cut_levels(std::move(seen), counts, finer, executor, [&] { return report(0.0); });
         if (!levels) return levels.error();
         for (TileLevel& level : *levels) {
-            if (Status added = add_tile(index, level.surface, level.error); !added) return added;
+            const codec::QuantizationGrid grid = tile_grid(level.surface.mesh, level.error);
+            if (Status added = add_tile(index, level.surface, level.error, grid); !added) return added;
             branch.surface = std::move(level.surface);
             branch.surface_error = branch.tiles.back().node.error;
         }
@@ -333,14 +346,14 @@ class TileMaker {
     }
 
     // `error`: against the mesh that the branch's tiles are cut from.
-    Status add_tile(std::uint32_t index, const Surface& surface, const metric::SurfaceError& error) {
+    Status add_tile(std::uint32_t index, const Surface& surface, const metric::SurfaceError& error,
+                    const codec::QuantizationGrid& grid) {
         std::vector<Tile>& tiles = branches_[index].tiles;
-        Result<Tile> stored = store_tile(surface, error, model_, tile_key(index, tiles.size()));
+        Result<Tile> stored = store_tile(surface, error, grid, model_, tile_key(index, tiles.size()));
         if (!stored) return stored.error();
         Tile& tile = *stored;
         tile.node.error = error.max;
-        if (!tiles_below(index).empty())
-            tile.node.error += source_error(index) + rounding_error(tile_grid(surface.mesh, error));
+        if (!tiles_below(index).empty()) tile.node.error += source_error(index) + rounding_error(grid);
         for (const Tile* below : tiles_below(index)) {
             tile.node.error = std::max(tile.node.error, below->node.error);
             tile.node.box.add(below->node.box.min);
@@ -351,10 +364,10 @@ class TileMaker {
     }
 
     // As a tile around it alone, without an error. `model`: its materials, images and origin.
-    Result<Tile> store_tile(const Surface& surface, const metric::SurfaceError& error, const mesh::Model& model,
-                            const std::string& key) {
+    Result<Tile> store_tile(const Surface& surface, const metric::SurfaceError& error,
+                            const codec::QuantizationGrid& grid, const mesh::Model& model, const std::string& key) {
         Result<codec::Encoded> encoded =
-            encode_tile(surface, error, model, texture::choose(model, textures_, level_needs(error)).images,
+            encode_tile(surface, error, grid, model, texture::choose(model, textures_, level_needs(error)).images,
                         colors_ ? &*colors_ : nullptr);
         if (!encoded) return encoded.error();
         Result<store::StoredFile> file = store_.put_content(asset_id_, key, "glb", encoded->glb);
@@ -424,6 +437,7 @@ class TileMaker {
     TrianglesByObject triangles_;
     bool may_paint_;
     std::optional<SceneColors> colors_;
+    std::optional<TileBorders> borders_;  // of the leaves
     scene::Hierarchy hierarchy_;
     std::vector<Branch> branches_;                // of each node of the hierarchy
     std::vector<std::vector<Tile>> shape_tiles_;  // of each shape, the finest first

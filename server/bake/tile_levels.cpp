@@ -62,10 +62,11 @@ double rounding_error(const codec::QuantizationGrid& grid) {
     return 0.5 * std::sqrt(3.0) * grid.step();
 }
 
-Result<codec::Encoded> encode_tile(const Surface& surface, const metric::SurfaceError& error, const mesh::Model& model,
+Result<codec::Encoded> encode_tile(const Surface& surface, const metric::SurfaceError& error,
+                                   const codec::QuantizationGrid& grid, const mesh::Model& model,
                                    std::vector<codec::SmallerImage> images, const SceneColors* colors) {
     codec::EncodeOptions options;
-    options.grid = tile_grid(surface.mesh, error);
+    options.grid = grid;
     options.rounding = codec::Rounding::nearest;  // neighbours have borders in common
     codec::fit_normals(options, surface.mesh, error.normal_degrees);
     const std::vector<std::uint8_t> all_gouraud(surface.mesh.triangles.size(), 1);

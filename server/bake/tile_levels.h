@@ -44,8 +44,10 @@ codec::QuantizationGrid tile_grid(const mesh::Mesh& mesh, const metric::SurfaceE
 // What a tile that was cut is off by more, beside its source: the rounding onto its grid.
 double rounding_error(const codec::QuantizationGrid& grid);
 
-// `model`: materials, images and origin. A bare surface is painted with `colors`. pre: colors where it is bare
-Result<codec::Encoded> encode_tile(const Surface& surface, const metric::SurfaceError& error, const mesh::Model& model,
+// `grid`: tile_grid() or, of a finest tile, TileBorders'. `model`: materials, images and origin. A bare surface is
+// painted with `colors`. pre: colors where it is bare
+Result<codec::Encoded> encode_tile(const Surface& surface, const metric::SurfaceError& error,
+                                   const codec::QuantizationGrid& grid, const mesh::Model& model,
                                    std::vector<codec::SmallerImage> images, const SceneColors* colors);
 
 }  // namespace lodestream::bake

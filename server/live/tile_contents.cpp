@@ -151,8 +151,9 @@ Result<ObjectsContent> make_objects_content(TransientFiles& files, const bake::S
     surface.mesh = mesh::compact(surface.mesh);
     ObjectsContent out;
     if (surface.mesh.triangles.empty()) return out;
-    out.is_exact = is_fine(bake::tile_grid(surface.mesh, {}), surface.mesh);
-    const Result<codec::Encoded> encoded = bake::encode_tile(surface, {}, model, {}, nullptr);
+    const codec::QuantizationGrid grid = bake::tile_grid(surface.mesh, {});
+    out.is_exact = is_fine(grid, surface.mesh);
+    const Result<codec::Encoded> encoded = bake::encode_tile(surface, {}, grid, model, {}, nullptr);
     if (!encoded) return encoded.error();
     Result<Content> content = store_content(files, *encoded, at_origin(mesh::bounds(surface.mesh), model.origin), 0.0);
     if (!content) return content.error();
@@ -186,10 +187,11 @@ Result<std::vector<Content>> make_levels_above(TransientFiles& files, const stor
     for (const bake::TileLevel& level : *levels) {
         if (contents.size() == count) break;
         const mesh::Mesh& mesh = level.surface.mesh;
+        const codec::QuantizationGrid grid = bake::tile_grid(mesh, level.error);
         const Result<codec::Encoded> encoded =
-            bake::encode_tile(level.surface, level.error, *joined, {}, colors ? &*colors : nullptr);
+            bake::encode_tile(level.surface, level.error, grid, *joined, {}, colors ? &*colors : nullptr);
         if (!encoded) return encoded.error();
-        const double error = level.error.max + error_below + bake::rounding_error(bake::tile_grid(mesh, level.error));
+        const double error = level.error.max + error_below + bake::rounding_error(grid);
         Result<Content> content = store_content(files, *encoded, at_origin(mesh::bounds(mesh), source.origin), error);
         if (!content) return content.error();
         contents.push_back(*std::move(content));

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <map>
 
 #include "common/base/transform.h"
@@ -44,12 +46,22 @@ struct HlodTest : ::testing::Test {
         return tree.ok() ? *tree : TileTree{};
     }
 
-    mesh::Mesh content(const TileTree& tree, std::size_t tile) {
+    codec::Decoded decoded(const TileTree& tree, std::size_t tile) {
         const store::StoredFile file = *store.file(tree.hashes[tile], "glb");
-        const codec::Decoded decoded = *codec::decode_level(*store::read_file(file.path, file.bytes));
+        return *codec::decode_level(*store::read_file(file.path, file.bytes));
+    }
+
+    // Without its origin, which is the asset's.
+    mesh::Mesh local_content(const TileTree& tree, std::size_t tile) {
         mesh::Mesh all;
-        for (const codec::Primitive& primitive : decoded.primitives) mesh::append(all, primitive.mesh);
-        for (Vec3f& p : all.positions) p = Vec3f(Vec3d(p) + decoded.origin);
+        for (const codec::Primitive& primitive : decoded(tree, tile).primitives) mesh::append(all, primitive.mesh);
+        return all;
+    }
+
+    mesh::Mesh content(const TileTree& tree, std::size_t tile) {
+        const Vec3d origin = decoded(tree, tile).origin;
+        mesh::Mesh all = local_content(tree, tile);
+        for (Vec3f& p : all.positions) p = Vec3f(Vec3d(p) + origin);
         return tree.matrices.empty() ? all : mesh::placed(std::move(all), Vec3d(0.0), tree.matrices[tile]);
     }
 
@@ -86,6 +98,71 @@ TEST_F(HlodTest, LeavesAreTheObjectsAndEveryTileAboveIsCoarser) {
         EXPECT_LE(node.triangles, tile_triangles);
         EXPECT_LE(2 * node.triangles, below);
         EXPECT_GT(node.error, 0.0);
+    }
+}
+
+// Every triangle goes to the object of the cell of `cell` units that its middle lies in.
+mesh::Model split(const mesh::Mesh& mesh, double cell) {
+    std::map<std::array<long, 3>, mesh::Mesh> pieces;
+    for (const mesh::Triangle& t : mesh.triangles) {
+        const Vec3d middle =
+            (Vec3d(mesh.positions[t[0]]) + Vec3d(mesh.positions[t[1]]) + Vec3d(mesh.positions[t[2]])) / (3.0 * cell);
+        mesh::Mesh& piece = pieces[{std::lround(middle.x), std::lround(middle.y), std::lround(middle.z)}];
+        if (piece.positions.empty()) {
+            piece.positions = mesh.positions;
+            piece.normals = mesh.normals;
+        }
+        piece.triangles.push_back(t);
+    }
+    mesh::Model model = empty_scene();
+    for (const auto& [where, piece] : pieces) add_object(model, mesh::compact(piece));
+    return model;
+}
+
+using Edge = std::array<std::array<float, 3>, 2>;
+
+// Edges of one triangle, where positions are the same whose bits are.
+std::size_t open_edges(const mesh::Mesh& mesh) {
+    std::map<Edge, int> triangles;
+    for (const mesh::Triangle& t : mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto corner = [&](std::size_t i) {
+                const Vec3f& p = mesh.positions[t[i % 3]];
+                return std::array<float, 3>{p.x, p.y, p.z};
+            };
+            const auto [low, high] = std::minmax({corner(k), corner(k + 1)});
+            ++triangles[{low, high}];
+        }
+    return static_cast<std::size_t>(
+        std::count_if(triangles.begin(), triangles.end(), [](const auto& edge) { return edge.second == 1; }));
+}
+
+// Any two tiles that share a border in the model share it in what is decoded: none of its edges is left alone.
+TEST_F(HlodTest, BordersBetweenAllTilesOfATerrainAndOfASplitMeshDecodeToTheSameBits) {
+    const auto height = [](double x, double z) { return std::sin(0.3 * x) * std::cos(0.2 * z); };
+    struct Case {
+        mesh::Mesh whole;
+        double cell;
+        Vec3d origin;
+    };
+    for (const Case& each : {Case{mesh::with_normals(testing::grid(128, height), 60), 32.0, {5e6, -3e5, 1e6}},
+                             Case{testing::sphere(128), 0.6, {0, 0, 0}}}) {
+        mesh::Model model = split(each.whole, each.cell);
+        model.origin = each.origin;
+        const TileTree tree = make(model);
+        mesh::Mesh leaves;
+        std::size_t count = 0, open_alone = 0;
+        for (std::uint32_t i = 0; i < tree.nodes.size(); ++i) {
+            if (tree.nodes[i].child_count > 0) continue;
+            const mesh::Mesh leaf = local_content(tree, i);
+            ++count;
+            open_alone += open_edges(leaf);
+            mesh::append(leaves, leaf);
+        }
+        EXPECT_GE(count, 4u);
+        EXPECT_GT(open_alone, open_edges(each.whole) + 500);
+        EXPECT_EQ(leaves.triangles.size(), each.whole.triangles.size());
+        EXPECT_EQ(open_edges(leaves), open_edges(each.whole));
     }
 }
 
