@@ -12,6 +12,8 @@ namespace lodestream::bake {
 
 namespace {
 
+constexpr float most_coarsening = 4.0f;  // of a leaf's step on its borders: 1/32 of its mean edge off, at most
+
 // The power of two that the grid's range tells in single precision.
 double lattice_step(const codec::QuantizationGrid& grid) {
     return std::exp2(std::round(std::log2(grid.step())));
@@ -33,11 +35,13 @@ TileBorders::TileBorders(const mesh::Mesh& mesh, std::vector<std::vector<std::ui
     find_borders(std::vector<double>(steps_), finest);
 }
 
-// The step of a place is the finest that one of its leaves deserves, but none finer than all of them can have.
+// The step of a place is the coarsest of its leaves', as far as the finest of them may lie on it, but none finer than
+// all of them can have.
 void TileBorders::find_borders(std::span<const double> coarsest, std::span<const double> finest) {
     constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max(), several = nobody - 1;
     std::vector<std::uint32_t> owners(mesh_.positions.size(), nobody);
-    std::vector<float> wanted(mesh_.positions.size(), 0.0f), possible(mesh_.positions.size(), 0.0f);
+    std::vector<float> least(mesh_.positions.size(), 0.0f), most(mesh_.positions.size(), 0.0f),
+        possible(mesh_.positions.size(), 0.0f);
     const auto for_each_place = [&](std::size_t leaf, const auto& take) {
         for (const std::uint32_t t : triangles_[leaf])
             for (const std::uint32_t v : mesh_.triangles[t]) take(first_[v]);
@@ -45,14 +49,16 @@ void TileBorders::find_borders(std::span<const double> coarsest, std::span<const
     for (std::uint32_t leaf = 0; leaf < triangles_.size(); ++leaf)
         for_each_place(leaf, [&](std::uint32_t place) {
             if (owners[place] == leaf) return;
-            const auto own = static_cast<float>(coarsest[leaf]), least = static_cast<float>(finest[leaf]);
-            wanted[place] = owners[place] == nobody ? own : std::min(wanted[place], own);
-            possible[place] = std::max(possible[place], least);
+            const auto own = static_cast<float>(coarsest[leaf]);
+            least[place] = owners[place] == nobody ? own : std::min(least[place], own);
+            most[place] = std::max(most[place], own);
+            possible[place] = std::max(possible[place], static_cast<float>(finest[leaf]));
             owners[place] = owners[place] == nobody ? leaf : several;
         });
     border_steps_.assign(mesh_.positions.size(), 0.0f);
     for (std::size_t place = 0; place < owners.size(); ++place)
-        if (owners[place] == several) border_steps_[place] = std::max(wanted[place], possible[place]);
+        if (owners[place] == several)
+            border_steps_[place] = std::max(std::min(most[place], most_coarsening * least[place]), possible[place]);
     for (std::size_t leaf = 0; leaf < triangles_.size(); ++leaf)
         for_each_place(leaf, [&](std::uint32_t place) {
             const double step = border_steps_[place];

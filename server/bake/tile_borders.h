@@ -1,6 +1,7 @@
 // What finest tiles of a scene have in common decodes to the same bits in all of them, however fine each is by itself:
-// a border is rounded to the lattice of the finest tile that it belongs to, and every tile's lattice is at least as
-// fine as its borders'. Lattices are of powers of two (codec::choose_window), so the finer holds all of the coarser.
+// a border is rounded to the lattice of the coarsest tile that it belongs to, or to one four times as coarse as the
+// finest one's, and every tile's lattice is at least as fine as its borders'. Lattices are of powers of two
+// (codec::choose_window), so the finer holds all of the coarser.
 #pragma once
 
 #include <cstdint>
