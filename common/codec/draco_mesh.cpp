@@ -5,16 +5,21 @@
 #include <draco/draco_features.h>
 #include <draco/compression/attributes/prediction_schemes/mesh_prediction_scheme_tex_coords_decoder.h>
 // clang-format on
+#include <draco/attributes/attribute_octahedron_transform.h>
+#include <draco/attributes/attribute_quantization_transform.h>
+#include <draco/compression/attributes/normal_compression_utils.h>
 #include <draco/compression/attributes/prediction_schemes/mesh_prediction_scheme_tex_coords_portable_decoder.h>
 #include <draco/compression/attributes/prediction_schemes/prediction_scheme_wrap_decoding_transform.h>
 #include <draco/compression/bit_coders/rans_bit_decoder.h>
 #include <draco/compression/decode.h>
 #include <draco/compression/point_cloud/point_cloud_decoder.h>
+#include <draco/core/quantization_utils.h>
 #include <draco/core/varint_decoding.h>
 #include <draco/mesh/mesh_attribute_corner_table.h>
 #include <draco/metadata/metadata_decoder.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -32,7 +37,12 @@ namespace {
 constexpr std::uint64_t max_elements_per_byte = 4096;
 constexpr std::size_t max_attributes = 64;
 
+// Draco makes floats value by value with a copy of each; where it can keep what the stream holds, that is done when
+// they are read to where they are wanted. Older streams undo their transforms while they are read.
+constexpr std::uint16_t first_version_that_keeps_steps = DRACO_BITSTREAM_VERSION(2, 0);
+
 struct DeclaredCounts {
+    std::uint16_t version = 0;
     bool is_mesh = false;
     std::uint64_t points = 0;  // of a mesh: at least this many
     std::uint64_t triangles = 0;
@@ -70,13 +80,15 @@ std::optional<DeclaredCounts> read_declared_counts(std::span<const std::byte> by
     draco::DecoderBuffer buffer = buffer_of(bytes);
     draco::DracoHeader header;
     if (!draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok()) return std::nullopt;
-    const auto version = DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor);
-    buffer.set_bitstream_version(static_cast<std::uint16_t>(version));
+    const auto version =
+        static_cast<std::uint16_t>(DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor));
+    buffer.set_bitstream_version(version);
     if (version >= DRACO_BITSTREAM_VERSION(1, 3) && (header.flags & METADATA_FLAG_MASK)) {
         draco::GeometryMetadata metadata;
         if (!draco::MetadataDecoder().DecodeGeometryMetadata(&buffer, &metadata)) return std::nullopt;
     }
     DeclaredCounts counts;
+    counts.version = version;
     counts.is_mesh = header.encoder_type == draco::TRIANGULAR_MESH;
     const bool read = counts.is_mesh ? read_mesh_counts(buffer, header.encoder_method, version, counts)
                                      : read_count(buffer, false, counts.points);
@@ -154,45 +166,105 @@ std::uint32_t value_of_point(const draco::PointAttribute& source, std::uint32_t 
     return source.mapped_index(draco::PointIndex(point)).value();
 }
 
-// Numbers of the type that the attribute has, side by side. Errors: invalid_input where one is out of range.
-template <class Number>
-Status copy_values(const draco::PointAttribute& source, std::uint32_t points, std::span<Number> values) {
+// Numbers of so many bytes, side by side, one value for each point. Errors: invalid_input where one is out of range.
+Status check_stored(const draco::PointAttribute& source, std::uint32_t points, std::size_t number_bytes) {
     if (const Status covers = check_cover(source, points); !covers) return covers.error();
     std::uint64_t used = source.is_mapping_identity() ? points : 0;
     if (!source.is_mapping_identity())
         for (std::uint32_t p = 0; p < points; ++p)
             used = std::max<std::uint64_t>(used, std::uint64_t{value_of_point(source, p)} + 1);
-    const std::size_t components = static_cast<std::size_t>(source.num_components());
-    const std::size_t size = components * sizeof(Number);
+    const std::size_t size = static_cast<std::size_t>(source.num_components()) * number_bytes;
     if (source.byte_offset() != 0 || source.byte_stride() != static_cast<std::int64_t>(size) || used > source.size() ||
         used * size > source.buffer()->data_size())
         return invalid_input("Draco: attribute value out of range");
-    if (used == 0) return Nothing{};
-    const std::uint8_t* stored = source.buffer()->data();
-    if (source.is_mapping_identity()) {
-        std::memcpy(values.data(), stored, values.size_bytes());
-        return Nothing{};
-    }
-    const auto gather = [&](auto count) {
-        Number* target = values.data();
-        for (std::uint32_t p = 0; p < points; ++p, target += count.value)
-            std::memcpy(target, stored + std::size_t{value_of_point(source, p)} * count.value * sizeof(Number),
-                        count.value * sizeof(Number));
-    };
-    switch (components) {
-        case 1:
-            gather(std::integral_constant<std::size_t, 1>{});
-            break;
-        case 2:
-            gather(std::integral_constant<std::size_t, 2>{});
-            break;
-        case 3:
-            gather(std::integral_constant<std::size_t, 3>{});
-            break;
-        default:
-            gather(std::integral_constant<std::size_t, 4>{});
-    }
     return Nothing{};
+}
+
+// Calls read(point, its numbers) for each. pre: check_stored()
+template <class Number, std::size_t Components, class Read>
+void read_each(const draco::PointAttribute& source, std::uint32_t points, const Read& read) {
+    std::array<Number, Components> numbers;
+    const std::uint8_t* stored = source.buffer()->data();
+    for (std::uint32_t p = 0; p < points; ++p) {
+        std::memcpy(&numbers, stored + std::size_t{value_of_point(source, p)} * sizeof numbers, sizeof numbers);
+        read(std::size_t{p}, numbers);
+    }
+}
+
+// The same for a number of components, 1 … 4, that is known when it runs.
+template <class Number, class Read>
+void read_each(const draco::PointAttribute& source, std::uint32_t points, const Read& read) {
+    switch (source.num_components()) {
+        case 1:
+            return read_each<Number, 1>(source, points, read);
+        case 2:
+            return read_each<Number, 2>(source, points, read);
+        case 3:
+            return read_each<Number, 3>(source, points, read);
+        default:
+            return read_each<Number, 4>(source, points, read);
+    }
+}
+
+// Of the type that the attribute has. Errors: invalid_input where one is out of range.
+template <class Number>
+Status copy_values(const draco::PointAttribute& source, std::uint32_t points, std::span<Number> values) {
+    if (const Status sound = check_stored(source, points, sizeof(Number)); !sound) return sound.error();
+    read_each<Number>(source, points, [&](std::size_t p, const auto& numbers) {
+        std::copy(numbers.begin(), numbers.end(), values.data() + p * numbers.size());
+    });
+    return Nothing{};
+}
+
+// What an attribute is kept as where Draco was told not to make floats of it (see decode()): steps of a grid, or of
+// the square that an octahedron unfolds to.
+draco::AttributeTransformType kept_as(const draco::PointAttribute& source) {
+    const draco::AttributeTransformData* transform = source.GetAttributeTransformData();
+    return transform ? transform->transform_type() : draco::ATTRIBUTE_INVALID_TRANSFORM;
+}
+
+// As floats are made of it.
+int components_of(const draco::PointAttribute& source) {
+    return kept_as(source) == draco::ATTRIBUTE_OCTAHEDRON_TRANSFORM ? 3 : source.num_components();
+}
+
+draco::DataType type_of(const draco::PointAttribute& source) {
+    return kept_as(source) == draco::ATTRIBUTE_INVALID_TRANSFORM ? source.data_type() : draco::DT_FLOAT32;
+}
+
+// By Draco's arithmetic, bit for bit, as every viewer makes them.
+Status unfold_grid(const draco::PointAttribute& source, std::uint32_t points, std::span<float> values) {
+    draco::AttributeQuantizationTransform grid;
+    draco::Dequantizer to_float;
+    if (!grid.InitFromAttribute(source) || grid.quantization_bits() < 1 || grid.quantization_bits() > 30 ||
+        !to_float.Init(grid.range(), (1 << grid.quantization_bits()) - 1))
+        return invalid_input("Draco: damaged quantization");
+    read_each<std::int32_t>(source, points, [&](std::size_t p, const auto& steps) {
+        for (std::size_t c = 0; c < steps.size(); ++c)
+            values[p * steps.size() + c] = to_float(steps[c]) + grid.min_value(static_cast<int>(c));
+    });
+    return Nothing{};
+}
+
+Status unfold_octahedron(const draco::PointAttribute& source, std::uint32_t points, std::span<float> values) {
+    draco::AttributeOctahedronTransform transform;
+    draco::OctahedronToolBox octahedron;
+    if (source.num_components() != 2 || !transform.InitFromAttribute(source) ||
+        !octahedron.SetQuantizationBits(transform.quantization_bits()))
+        return invalid_input("Draco: damaged normals");
+    read_each<std::int32_t, 2>(source, points, [&](std::size_t p, const auto& steps) {
+        octahedron.QuantizedOctahedralCoordsToUnitVector(steps[0], steps[1], &values[3 * p]);
+    });
+    return Nothing{};
+}
+
+// pre: type_of() is a float
+Status read_floats(const draco::PointAttribute& source, std::uint32_t points, std::span<float> values) {
+    if (kept_as(source) == draco::ATTRIBUTE_INVALID_TRANSFORM) return copy_values(source, points, values);
+    if (const Status sound = check_stored(source, points, sizeof(std::int32_t)); !sound) return sound.error();
+    if (source.data_type() != draco::DT_INT32) return invalid_input("Draco: attribute of an unexpected data type");
+    return kept_as(source) == draco::ATTRIBUTE_OCTAHEDRON_TRANSFORM ? unfold_octahedron(source, points, values)
+                                                                    : unfold_grid(source, points, values);
 }
 
 Status convert_values(const draco::PointAttribute& source, std::uint32_t points, std::vector<float>& values) {
@@ -216,17 +288,16 @@ Status convert_values(const draco::PointAttribute& source, std::uint32_t points,
 }
 
 bool has_components(const draco::PointAttribute& source) {
-    return source.num_components() >= 1 && source.num_components() <= 4;
+    return components_of(source) >= 1 && components_of(source) <= 4;
 }
 
 Result<DracoAttribute> read_attribute(const draco::PointAttribute& source, std::uint32_t points) {
     DracoAttribute attribute;
     attribute.semantic = semantic_of(source.attribute_type());
-    attribute.components = source.num_components();
+    attribute.components = components_of(source);
     attribute.normalized = source.normalized();
-    attribute.values.resize(std::size_t{points} * source.num_components());
-    if (source.data_type() == draco::DT_FLOAT32 && copy_values<float>(source, points, attribute.values))
-        return attribute;
+    attribute.values.resize(std::size_t{points} * static_cast<std::size_t>(attribute.components));
+    if (type_of(source) == draco::DT_FLOAT32 && read_floats(source, points, attribute.values)) return attribute;
     if (const Status read = convert_values(source, points, attribute.values); !read) return read.error();
     return attribute;
 }
@@ -262,9 +333,10 @@ struct DracoStream::Impl {
     template <class Number>
     Status read(std::uint32_t id, int components, draco::DataType type, std::span<Number> values) const {
         const draco::PointAttribute* found = attribute(id);
-        if (!found || found->num_components() != components || found->data_type() != type ||
+        if (!found || components_of(*found) != components || type_of(*found) != type ||
             found->normalized() != (type == draco::DT_UINT8))
             return invalid_input("Draco: an attribute is missing or of an unexpected kind");
+        if constexpr (std::is_same_v<Number, float>) return read_floats(*found, cloud->num_points(), values);
         return copy_values(*found, cloud->num_points(), values);
     }
 };
@@ -338,6 +410,10 @@ Result<DecodedCloud> decode(std::span<const std::byte> bytes, std::uint64_t max_
         return invalid_input("Draco: the header declares more than the stream can hold");
 
     draco::Decoder decoder;
+    if (declared->version >= first_version_that_keeps_steps)
+        for (const auto type : {draco::GeometryAttribute::POSITION, draco::GeometryAttribute::NORMAL,
+                                draco::GeometryAttribute::TEX_COORD})
+            decoder.SetSkipAttributeTransform(type);
     draco::DecoderBuffer buffer = buffer_of(bytes);
     DecodedCloud result;
     auto& [cloud, mesh] = result;
