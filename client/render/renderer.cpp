@@ -248,7 +248,7 @@ Result<Batch*> Renderer::Impl::add_batch(Group& group, std::uint32_t material, S
     batch.look = look;
     batch.material = material;
     batch.corners = static_cast<GLsizei>(streams.indices.size());
-    batch.center = streams.center;
+    batch.center = streams.bounds.center();
     group.uploaded.geometry_bytes += fill(batch.vertices, streams, style, look.is_textured());
     (style == Style::flat ? group.uploaded.flat_vertices : group.uploaded.gouraud_vertices) += streams.positions.size();
     return &batch;
@@ -268,7 +268,7 @@ void Renderer::Impl::add_discs(Group& group, const Streams& streams) {
     batch.group = &group;
     batch.style = Style::points;
     batch.corners = static_cast<GLsizei>(streams.positions.size());
-    batch.center = streams.center;
+    batch.center = streams.bounds.center();
     group.uploaded.geometry_bytes += fill(batch.vertices, streams, batch.style, false);
 }
 

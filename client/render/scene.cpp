@@ -41,27 +41,33 @@ Status check_mesh(const codec::Primitive& primitive, const std::string& where) {
     return Nothing{};
 }
 
+// Around those that `is_used` marks.
+Box used_bounds(const std::vector<Vec3f>& positions, const std::vector<std::uint8_t>& is_used) {
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    Vec3f low(infinity), high(-infinity);
+    for (std::size_t v = 0; v < is_used.size(); ++v) {
+        low = glm::min(low, is_used[v] ? positions[v] : low);
+        high = glm::max(high, is_used[v] ? positions[v] : high);
+    }
+    return {Vec3d(low), Vec3d(high)};
+}
+
 // Around the vertices that triangles use.
 Box used_bounds(const mesh::Mesh& m) {
     std::vector<std::uint8_t> is_used(m.positions.size(), 0);
     for (const mesh::Triangle& t : m.triangles)
         for (const std::uint32_t v : t) is_used[v] = 1;
-    constexpr float infinity = std::numeric_limits<float>::infinity();
-    Vec3f low(infinity), high(-infinity);
-    for (std::size_t v = 0; v < is_used.size(); ++v) {
-        low = glm::min(low, is_used[v] ? m.positions[v] : low);
-        high = glm::max(high, is_used[v] ? m.positions[v] : high);
-    }
-    return {Vec3d(low), Vec3d(high)};
+    return used_bounds(m.positions, is_used);
+}
+
+void add(Box& box, const Box& part) {
+    box.min = glm::min(box.min, part.min);
+    box.max = glm::max(box.max, part.max);
 }
 
 Box local_bounds(const codec::Decoded& content) {
     Box box;
-    for (const codec::Primitive& primitive : content.primitives) {
-        const Box part = used_bounds(primitive.mesh);
-        box.min = glm::min(box.min, part.min);
-        box.max = glm::max(box.max, part.max);
-    }
+    for (const codec::Primitive& primitive : content.primitives) add(box, used_bounds(primitive.mesh));
     return box;
 }
 
@@ -112,12 +118,11 @@ Vec3d direction(const Vec3d& v) {
     return largest > 0.0 ? normalize(v / largest) : Vec3d{0.0};
 }
 
-// Products of four floats' differences neither overflow nor vanish in double precision.
-bool faces_against_normals(const mesh::Mesh& m, const mesh::Triangle& t) {
-    const Vec3d a(m.positions[t[0]]);
-    const Vec3d face = cross(Vec3d(m.positions[t[1]]) - a, Vec3d(m.positions[t[2]]) - a);
-    const Vec3d normals = Vec3d(m.normals[t[0]]) + Vec3d(m.normals[t[1]]) + Vec3d(m.normals[t[2]]);
-    return dot(face, normals) < 0.0;
+// As drawn. Where it is too thin for single precision nobody sees it.
+bool faces_against_normals(const Streams& s, const mesh::Triangle& t) {
+    const Vec3f a = s.positions[t[0]];
+    const Vec3f face = cross(s.positions[t[1]] - a, s.positions[t[2]] - a);
+    return dot(face, s.normals[t[0]] + s.normals[t[1]] + s.normals[t[2]]) < 0.0f;
 }
 
 // Which corner of each face lights it.
@@ -298,14 +303,16 @@ Streams gouraud_streams(const mesh::Mesh& mesh, const Placement& placement, bool
     if (textured)
         for (const Vec2f& uv : mesh.texture_coordinates) s.texture_coordinates.push_back(finite_or_zero(uv));
     s.indices.resize(mesh.triangles.size() * 3);
+    std::vector<std::uint8_t> is_used(mesh.positions.size(), 0);
     std::uint32_t* index = s.indices.data();
     for (const mesh::Triangle& t : mesh.triangles) {
-        const bool swap = faces_against_normals(mesh, t);
+        const bool swap = faces_against_normals(s, t);
         *index++ = t[0];
         *index++ = swap ? t[2] : t[1];
         *index++ = swap ? t[1] : t[2];
+        for (const std::uint32_t v : t) is_used[v] = 1;
     }
-    s.center = (used_bounds(mesh).center() - placement.center) / placement.radius;
+    s.bounds = used_bounds(s.positions, is_used);
     return s;
 }
 
@@ -313,12 +320,11 @@ Streams flat_streams(const mesh::Mesh& mesh, const Placement& placement, bool te
     const ProvokingCorners provoking = choose_provoking(mesh);
     const std::vector<Vec3f> places = to_scene(mesh.positions, placement);
     Streams s;
-    Box box;
     const auto add_vertex = [&](std::uint32_t v, const Vec3f& first, const Vec3f& previous) {
         s.positions.push_back(places[v]);
         s.first_corners.push_back(first);
         s.previous_corners.push_back(previous);
-        box.add(Vec3d(s.positions.back()));
+        s.bounds.add(Vec3d(s.positions.back()));
         if (!mesh.colors.empty()) s.colors.push_back(mesh.colors[v]);
         if (textured && !mesh.texture_coordinates.empty())
             s.texture_coordinates.push_back(finite_or_zero(mesh.texture_coordinates[v]));
@@ -336,7 +342,6 @@ Streams flat_streams(const mesh::Mesh& mesh, const Placement& placement, bool te
         vertex_at[t[2]] = f;
         s.indices.insert(s.indices.end(), {vertex_at[t[0]], vertex_at[t[1]], f});
     }
-    s.center = box.center();
     return s;
 }
 
@@ -417,6 +422,7 @@ Result<Part> prepare(const codec::Decoded& content, const Box& scene) {
     whole.materials = content.materials;
     whole.images.resize(content.images.size());
     const Placement placement = placed_in(scene, content.origin);
+    Box bounds;
     Part part;
     for (const codec::Primitive& primitive : content.primitives) {
         if (primitive.mesh.triangles.empty()) continue;
@@ -425,10 +431,12 @@ Result<Part> prepare(const codec::Decoded& content, const Box& scene) {
         whole.primitives.push_back({is_flat, primitive.material, primitive.mesh.triangles.size(),
                                     is_flat ? flat_streams(primitive.mesh, placement, textured)
                                             : gouraud_streams(primitive.mesh, placement, textured)});
+        const Streams& streams = whole.primitives.back().streams;
         part.triangles += primitive.mesh.triangles.size();
-        part.gpu_bytes += bytes_of(whole.primitives.back().streams);
+        part.gpu_bytes += bytes_of(streams);
+        add(bounds, streams.bounds);
     }
-    whole.sphere = sphere_of(local_bounds(content), placement);
+    whole.sphere = {bounds.center(), bounds.radius()};
     auto warnings =
         decode_shown(content.images, content.materials, image::max_side, [&](std::size_t i, Image&& pixels) {
             part.gpu_bytes += pixels.rgba.size() * 4 / 3;

@@ -31,7 +31,7 @@ struct Streams {
     std::vector<Rgba8> colors;
     std::vector<Vec2f> texture_coordinates;
     std::vector<std::uint32_t> indices;  // three a face, in the mesh's order
-    Vec3d center{0.0};                   // of the positions' box, for sorting what is blended
+    Box bounds;                          // of the positions that triangles use
 };
 
 // Each triangle wound so that its front is the side that its normals point to.
