@@ -14,7 +14,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <stdexcept>
+#include <utility>
 
 namespace lodestream::codec {
 namespace {
@@ -241,20 +241,30 @@ struct Code {
     Symbols residuals;
 };
 
+// How a reader derives normals, and when that is close enough.
+struct Derivation {
+    Weights weights = Weights::area;
+    double tolerance_degrees = 0.0;
+    AsDerived as_derived = [](const Vec3f& mean) { return mean; };
+};
+
 class Encoder {
   public:
     Encoder(const std::vector<Vec3f>& positions, const Triangles& triangles, const WantedShading& wanted,
-            double tolerance_degrees, Weights weights)
-        : surface_(positions, triangles, wanted.gouraud, weights),
+            const Derivation& derivation)
+        : surface_(positions, triangles, wanted.gouraud, derivation.weights),
           wanted_(wanted),
-          tolerance_(radians(tolerance_degrees)) {
-        code_.step = step_number_for(tolerance_degrees);
+          derivation_(derivation),
+          tolerance_(radians(derivation.tolerance_degrees)) {
+        code_.step = step_number_for(derivation.tolerance_degrees);
+        sent_.normal_of_corner.resize(3 * triangles.size());
         surface_.list_corners(std::vector<std::uint8_t>(positions.size(), 1));
         for (std::uint32_t p = 0; p < positions.size(); ++p)
             if (surface_.has_gouraud(p)) add_position(p);
     }
 
     Code code() && { return std::move(code_); }
+    SentNormals sent() && { return std::move(sent_); }
 
   private:
     Vec3d wanted(std::uint32_t corner) const {
@@ -319,20 +329,27 @@ class Encoder {
         return unit_or(sum, wanted(corners[0]));
     }
 
-    void add_group(const Vec3f& derived, std::span<const std::uint32_t> corners) {
-        const Vec3d base(derived);
-        const bool good = std::all_of(corners.begin(), corners.end(), [&](auto c) { return is_good(base, c); });
+    void add_group(const Vec3f& mean_of_faces, std::span<const std::uint32_t> corners) {
+        const Vec3f derived = derivation_.as_derived(mean_of_faces);
+        const bool good =
+            std::all_of(corners.begin(), corners.end(), [&](auto c) { return is_good(Vec3d(derived), c); });
+        const Vec3d mean = mean_of(corners);
+        for (const std::uint32_t c : corners)
+            sent_.normal_of_corner[c] = static_cast<std::uint32_t>(sent_.normals.size());
+        sent_.normals.push_back(good ? derived : Vec3f(mean));
         code_.is_off.push_back(good ? 0 : 1);
         if (good) return;
-        for (const std::uint32_t symbol : residual_of(mean_of(corners), base, step_of(code_.step)))
+        for (const std::uint32_t symbol : residual_of(mean, Vec3d(derived), step_of(code_.step)))
             code_.residuals.push_back(symbol);
     }
 
     Surface surface_;
     Groups groups_{surface_};
     const WantedShading& wanted_;
+    const Derivation derivation_;
     double tolerance_;  // radians
     Code code_;
+    SentNormals sent_;
 };
 
 void put_runs(draco::EncoderBuffer& buffer, const std::vector<std::uint8_t>& gouraud) {
@@ -470,7 +487,7 @@ class Decoder {
 
 std::vector<std::byte> encode_with(Weights weights, const std::vector<Vec3f>& positions, const Triangles& triangles,
                                    const WantedShading& wanted, double tolerance_degrees) {
-    const Code code = Encoder(positions, triangles, wanted, tolerance_degrees, weights).code();
+    const Code code = Encoder(positions, triangles, wanted, {weights, tolerance_degrees}).code();
     draco::EncoderBuffer buffer;
     put_runs(buffer, wanted.gouraud);
     buffer.Encode(weights);
@@ -493,12 +510,9 @@ std::vector<std::byte> encode_lean_shading(const std::vector<Vec3f>& positions, 
     return by_sine.size() < by_area.size() ? by_sine : by_area;
 }
 
-LeanShading sent_normals(const std::vector<Vec3f>& positions, const Triangles& triangles, const WantedShading& wanted,
-                         double tolerance_degrees) {
-    Result<LeanShading> decoded = decode_lean_shading(
-        positions, triangles, encode_with(Weights::area, positions, triangles, wanted, tolerance_degrees));
-    if (!decoded) throw std::logic_error(decoded.error().message);
-    return *std::move(decoded);
+SentNormals sent_normals(const std::vector<Vec3f>& positions, const Triangles& triangles, const WantedShading& wanted,
+                         double tolerance_degrees, const AsDerived& as_derived) {
+    return Encoder(positions, triangles, wanted, {Weights::area, tolerance_degrees, as_derived}).sent();
 }
 
 Result<LeanShading> decode_lean_shading(const std::vector<Vec3f>& positions, const Triangles& triangles,

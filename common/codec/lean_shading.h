@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -43,9 +44,16 @@ struct LeanShading {
     std::vector<FurtherNormal> further;  // those of one position side by side
 };
 
-// The normals that a decoder would get, of faces weighted by their area, as Draco predicts normals too.
-LeanShading sent_normals(const std::vector<Vec3f>& positions, const std::vector<mesh::Triangle>& triangles,
-                         const WantedShading& wanted, double tolerance_degrees);
+// One normal for each group: the derived one where that is good enough, else the mean of those wanted.
+struct SentNormals {
+    std::vector<Vec3f> normals;
+    std::vector<std::uint32_t> normal_of_corner;  // three a triangle, into `normals`; of flat ones without a meaning
+};
+
+using AsDerived = std::function<Vec3f(const Vec3f& mean_of_faces)>;
+// Of faces weighted by their area, as Draco predicts normals too. `as_derived`: what the reader makes of their mean.
+SentNormals sent_normals(const std::vector<Vec3f>& positions, const std::vector<mesh::Triangle>& triangles,
+                         const WantedShading& wanted, double tolerance_degrees, const AsDerived& as_derived);
 
 // Errors: invalid_input where the bytes are not those of so many positions and triangles.
 Result<LeanShading> decode_lean_shading(const std::vector<Vec3f>& positions,

@@ -34,15 +34,14 @@ inline constexpr int max_position_bits = 20;
 
 // How far rounding may move a level off its surface, RMS: this share of the error that the level has anyway, which
 // raises a picture's error by a few percent, and of its extent about what Draco's usual 14 bits cost.
-inline constexpr double off_surface_share_of_error = 0.35;
-inline constexpr double off_surface_share_of_extent = 0.29 / (1 << 14);
-// Lean levels, whose bytes leave room for it, are closer.
-inline constexpr double lean_off_surface_share_of_error = 0.33;
+inline constexpr double off_surface_share_of_error = 0.33;
+inline constexpr double off_surface_share_of_extent = 0.24 / (1 << 14);
+// Lean levels are a little closer.
 inline constexpr double lean_off_surface_share_of_extent = 0.22 / (1 << 14);
 // So are levels that show nothing but what rounding does: whose normals are off by less than this. Not where more than
-// so many of the normals have to be told, which takes the bytes.
-inline constexpr double faithful_normal_error_degrees = 1.0, most_told_normals_of_faithful = 0.6;
-inline constexpr double faithful_off_surface_share_of_extent = 0.18 / (1 << 14);
+// so many of the normals have to be told, being so far from what the triangles tell, which takes the bytes.
+inline constexpr double faithful_normal_error_degrees = 1.0, told_normal_degrees = 0.7, most_told_normals = 0.6;
+inline constexpr double faithful_off_surface_share_of_extent = 0.15 / (1 << 14);
 inline constexpr double lean_faithful_off_surface_share_of_extent = 0.19 / (1 << 14);
 // Whether both hold. pre: triangles refer to vertices
 bool is_faithful(const mesh::Mesh& level, double normal_error_degrees);
@@ -99,13 +98,14 @@ struct EncodeOptions {
 
 // In proportion to what the level's normals are off anyway (metric::SurfaceError::normal_degrees), within limits.
 double fit_normal_tolerance_degrees(double normal_error_degrees, bool lean = false);
-// Bits of a plain level's normals that keep this many steps in the tolerance, 10 at most: 6 at the largest. pre: > 0
+// Bits of a plain level's normals that keep this many steps in the tolerance, within which a derived one is, rounded
+// towards zero. One that is told goes to the nearest, so where most are, fewer are enough. pre: > 0
 inline constexpr double normal_steps_per_tolerance = 2.84;
-int fit_normal_bits(double tolerance_degrees);
-inline constexpr double normal_tolerance_share_of_error = 0.6;
-inline constexpr double least_normal_tolerance_degrees = 0.7;
+inline constexpr int most_normal_bits = 9, most_told_normal_bits = 8;
+int fit_normal_bits(double tolerance_degrees, bool most_are_told = false);
+inline constexpr double normal_tolerance_share_of_error = 0.55, lean_normal_tolerance_share_of_error = 0.6;
+inline constexpr double least_normal_tolerance_degrees = 0.35;
 inline constexpr double least_lean_normal_tolerance_degrees = 0.42;
-inline constexpr double faithful_normal_tolerance_degrees = 0.5;  // of plain levels that are is_faithful()
 inline constexpr double largest_normal_tolerance_degrees = 8.0;
 
 // Sets both, for a lean level where `options` say so.

@@ -22,7 +22,8 @@ NormalKey key_of(const Vec3f& n) {
 }
 
 // The normals that Draco's prediction can have, which rounds towards zero. What it encodes goes to the nearest, so that
-// a normal it predicts has to be given as it predicts it, or it is a step off half of the time.
+// a normal it predicts has to be given as it predicts it, or it is a step off half of the time. One that has to be told
+// is given as it is wanted.
 class PredictedNormals {
   public:
     explicit PredictedNormals(int bits) { box_.SetQuantizationBits(bits); }
@@ -80,7 +81,7 @@ class Replacement {
             }
         }
         for (const std::uint32_t v : used) local_[v] = none;
-        set(triangles, local_triangles, sent_normals(positions, local_triangles, wanted, tolerance_degrees_));
+        set(triangles, sent_normals(positions, local_triangles, wanted, tolerance_degrees_, predicted_));
     }
 
     Replaced result() && { return std::move(result_); }
@@ -88,26 +89,15 @@ class Replacement {
   private:
     static constexpr std::uint32_t none = 0xffffffffu;
 
-    void set(std::span<const std::uint32_t> triangles, const std::vector<mesh::Triangle>& local_triangles,
-             const LeanShading& shading) {
-        std::vector<std::uint32_t> normal_of_corner;  // that of its position, or a further one behind them
-        normal_of_corner.reserve(3 * triangles.size());
-        for (const mesh::Triangle& t : local_triangles)
-            normal_of_corner.insert(normal_of_corner.end(), t.begin(), t.end());
-        const auto positions = static_cast<std::uint32_t>(shading.normals.size());
-        for (const FurtherNormal& further : shading.further)
-            normal_of_corner[further.corner] = positions + further.normal;
-
+    void set(std::span<const std::uint32_t> triangles, const SentNormals& sent) {
         KeyTable vertices(2);
         const auto first_added = static_cast<std::uint32_t>(result_.level.positions.size());
         for (std::size_t i = 0; i < triangles.size(); ++i)
             for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t v = from_.triangles[triangles[i]][k], normal = normal_of_corner[3 * i + k];
+                const std::uint32_t v = from_.triangles[triangles[i]][k], normal = sent.normal_of_corner[3 * i + k];
                 const std::array key{v, normal};
                 const std::uint32_t vertex = first_added + vertices.find_or_add(key.data());
-                if (vertex == result_.level.positions.size())
-                    add_vertex(
-                        v, normal < positions ? shading.normals[normal] : shading.further_normals[normal - positions]);
+                if (vertex == result_.level.positions.size()) add_vertex(v, sent.normals[normal]);
                 result_.level.triangles[triangles[i]][k] = vertex;
             }
     }
@@ -115,7 +105,7 @@ class Replacement {
     void add_vertex(std::uint32_t like, const Vec3f& normal) {
         mesh::Mesh& level = result_.level;
         level.positions.push_back(from_.positions[like]);
-        level.normals.push_back(predicted_(normal));
+        level.normals.push_back(normal);
         if (!from_.texture_coordinates.empty()) level.texture_coordinates.push_back(from_.texture_coordinates[like]);
         if (!from_.colors.empty()) level.colors.push_back(from_.colors[like]);
         result_.sources.push_back(like);

@@ -50,9 +50,8 @@ QuantizationGrid with_step(const QuantizationGrid& finest, double step) {
     return grid;
 }
 
-// Of the vertices with normals, the share of those whose normal is farther off the mean of their triangles' than what
-// is derived from those may be.
-double share_of_told_normals(const mesh::Mesh& level) {
+// Of the vertices with normals, the share of those whose normal is farther off the mean of their triangles' than this.
+double share_of_told_normals(const mesh::Mesh& level, double tolerance_degrees) {
     if (level.normals.size() != level.positions.size()) return 0.0;
     std::vector<Vec3d> sums(level.positions.size(), Vec3d{0.0});
     for (const mesh::Triangle& t : level.triangles) {
@@ -60,13 +59,18 @@ double share_of_told_normals(const mesh::Mesh& level) {
         const Vec3d area = cross(Vec3d(level.positions[t[1]]) - a, Vec3d(level.positions[t[2]]) - a);
         for (const std::uint32_t v : t) sums[v] += area;
     }
-    const double least_cosine = std::cos(radians(least_normal_tolerance_degrees));
+    const double least_cosine = std::cos(radians(tolerance_degrees));
     std::size_t told = 0;
     for (std::size_t v = 0; v < sums.size(); ++v) {
         const Vec3d normal(level.normals[v]);
         told += dot(sums[v], normal) < least_cosine * length(sums[v]) * length(normal) ? 1 : 0;
     }
     return static_cast<double>(told) / static_cast<double>(std::max<std::size_t>(sums.size(), 1));
+}
+
+// Of normals that may be off by this much.
+bool most_are_told(const mesh::Mesh& level, double tolerance_degrees) {
+    return share_of_told_normals(level, std::max(tolerance_degrees, told_normal_degrees)) > most_told_normals;
 }
 
 double share_of_extent(bool faithful, bool lean) {
@@ -107,15 +111,13 @@ QuantizationGrid choose_grid(const Box& bounds, double error, double mean_edge_l
 }
 
 bool is_faithful(const mesh::Mesh& level, double normal_error_degrees) {
-    return normal_error_degrees < faithful_normal_error_degrees &&
-           share_of_told_normals(level) <= most_told_normals_of_faithful;
+    return normal_error_degrees < faithful_normal_error_degrees && !most_are_told(level, 0.0);
 }
 
 QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double error, double normal_error_degrees,
                           bool lean) {
     const QuantizationGrid finest = choose_grid(bounds, 0.0, 0.0);
-    const double share_of_error = lean ? lean_off_surface_share_of_error : off_surface_share_of_error;
-    const double allowed = std::hypot(share_of_error * (positive(error) ? error : 0.0),
+    const double allowed = std::hypot(off_surface_share_of_error * (positive(error) ? error : 0.0),
                                       share_of_extent(is_faithful(level, normal_error_degrees), lean) * finest.range);
     // Rounding along a surface gains less than three bits on the nearest point, which is off by 0.29 steps.
     double largest = std::min(30.0 * allowed, finest.range / (std::ldexp(1.0, min_position_bits) - 1.0));
@@ -136,22 +138,23 @@ QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double err
 }
 
 double fit_normal_tolerance_degrees(double normal_error_degrees, bool lean) {
-    const double share = normal_tolerance_share_of_error * normal_error_degrees;
+    const double share =
+        (lean ? lean_normal_tolerance_share_of_error : normal_tolerance_share_of_error) * normal_error_degrees;
     const double least = lean ? least_lean_normal_tolerance_degrees : least_normal_tolerance_degrees;
     return positive(share) ? std::clamp(share, least, largest_normal_tolerance_degrees) : least;
 }
 
-int fit_normal_bits(double tolerance_degrees) {
+int fit_normal_bits(double tolerance_degrees, bool most_are_told) {
     constexpr double around = 180.0;  // degrees that the steps of one coordinate reach over
-    return std::clamp(
-        static_cast<int>(std::ceil(std::log2(normal_steps_per_tolerance * around / tolerance_degrees) - 1e-9)), 4, 10);
+    const int bits =
+        static_cast<int>(std::ceil(std::log2(normal_steps_per_tolerance * around / tolerance_degrees) - 1e-9));
+    return std::clamp(bits, 4, most_are_told ? most_told_normal_bits : most_normal_bits);
 }
 
 void fit_normals(EncodeOptions& options, const mesh::Mesh& level, double normal_error_degrees) {
-    options.normal_tolerance_degrees = fit_normal_tolerance_degrees(normal_error_degrees, options.lean);
-    if (!options.lean && is_faithful(level, normal_error_degrees))
-        options.normal_tolerance_degrees = faithful_normal_tolerance_degrees;
-    options.normal_bits = fit_normal_bits(options.normal_tolerance_degrees);
+    const double tolerance = fit_normal_tolerance_degrees(normal_error_degrees, options.lean);
+    options.normal_tolerance_degrees = tolerance;
+    options.normal_bits = fit_normal_bits(tolerance, most_are_told(level, tolerance));
 }
 
 QuantizationGrid choose_window(const Box& bounds, double error, double mean_edge_length) {

@@ -11,6 +11,7 @@
 #include <numeric>
 #include <random>
 #include <string>
+#include <tuple>
 
 #include "common/codec/glb.h"
 #include "common/codec/lean_shading.h"
@@ -276,6 +277,36 @@ TEST(LevelCodec, NormalsFarFromTheFacesArriveWithinTheTolerance) {
             EXPECT_GT(dot(mesh.normals[v], level.normals[source.at(on_grid(mesh.positions[v], options.grid))]),
                       std::cos(radians(3 * 2.0 + 0.5)));
     }
+}
+
+TEST(LevelCodec, NormalsThatHaveToBeToldGoToTheNearestStep) {
+    Mesh level = mesh::with_normals(testing::sphere(16), 180.0);
+    std::map<std::tuple<float, float, float>, Vec3f> wanted;
+    for (std::size_t v = 0; v < level.normals.size(); ++v) {
+        const Vec3f& p = level.positions[v];
+        level.normals[v] = normalize(level.normals[v] + Vec3f(0.4f, 0.0f, 0.0f));
+        wanted[{p.x, p.y, p.z}] = level.normals[v];
+    }
+    EncodeOptions options = options_for(level);
+    options.grid = choose_grid(mesh::bounds(level), 0.0, 0.0);
+    options.rounding = Rounding::nearest;
+    options.normal_tolerance_degrees = 0.35;
+    options.normal_bits = 8;
+    const Coded coded = round_trip(model_of_one_material(), level, shaded(level, 1), options);
+    const Mesh& mesh = coded.decoded.primitives.at(0).mesh;
+    double squares = 0.0;
+    for (std::size_t v = 0; v < mesh.normals.size(); ++v) {
+        const auto nearest = std::min_element(wanted.begin(), wanted.end(), [&](const auto& a, const auto& b) {
+            const auto off = [&](const auto& key) {
+                return length(mesh.positions[v] - Vec3f(std::get<0>(key), std::get<1>(key), std::get<2>(key)));
+            };
+            return off(a.first) < off(b.first);
+        });
+        const double chord = length(Vec3d(mesh.normals[v]) - Vec3d(nearest->second));
+        squares += chord * chord;
+    }
+    // A step is 0.7 degrees or less: rounded to the nearest 0.27 off in the mean, towards zero 0.55.
+    EXPECT_LT(std::sqrt(squares / static_cast<double>(mesh.normals.size())), radians(0.4));
 }
 
 TEST(LevelCodec, LeanKeepsTheSplitAndComesNearTheNormalsWithFewerBytes) {
