@@ -131,12 +131,15 @@ class Bench {
         if (!decoded) throw std::runtime_error(decoded.error().message);
         form.image = gallery_.show(model_of(*decoded)).rms;
         const Result<codec::Glb> glb = codec::split_glb(encoded.glb);
-        form.decode_ms = least_ms(turns_, [&] { (void)codec::decode_level(encoded.glb); });
         const Box box = render::world_bounds(*decoded);
-        form.prepare_ms = least_ms(turns_, [&] { (void)render::prepare(*decoded, box); });
-        if (options.lean) return form;
-        form.draco_ms = draco_ms(streams_of(*glb), turns_);
-        form.arrays_ms = draco_arrays_ms(streams_of(*glb), turns_);
+        const auto streams = options.lean ? std::vector<std::span<const std::byte>>{} : streams_of(*glb);
+        const auto keep_least = [](double& least, double ms) { least = least > 0.0 ? std::min(least, ms) : ms; };
+        for (int turn = 0; turn < turns_; ++turn) {  // side by side, so that what the machine does meanwhile hits all
+            keep_least(form.decode_ms, least_ms(1, [&] { (void)codec::decode_level(encoded.glb); }));
+            keep_least(form.prepare_ms, least_ms(1, [&] { (void)render::prepare(*decoded, box); }));
+            keep_least(form.draco_ms, draco_ms(streams, 1));
+            keep_least(form.arrays_ms, draco_arrays_ms(streams, 1));
+        }
         return form;
     }
 
