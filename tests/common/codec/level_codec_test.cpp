@@ -305,7 +305,7 @@ TEST(LevelCodec, NormalsThatHaveToBeToldGoToTheNearestStep) {
         const double chord = length(Vec3d(mesh.normals[v]) - Vec3d(nearest->second));
         squares += chord * chord;
     }
-    // A step is 0.7 degrees or less: rounded to the nearest 0.27 off in the mean, towards zero 0.55.
+    // A step is 0.7 degrees or less: rounded to the nearest 0.27 off in the mean, towards zero 0.75.
     EXPECT_LT(std::sqrt(squares / static_cast<double>(mesh.normals.size())), radians(0.4));
 }
 
