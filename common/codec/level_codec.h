@@ -104,7 +104,7 @@ inline constexpr double normal_steps_per_tolerance = 2.84;
 inline constexpr int most_normal_bits = 9, most_told_normal_bits = 8;
 int fit_normal_bits(double tolerance_degrees, bool most_are_told = false);
 inline constexpr double normal_tolerance_share_of_error = 0.55, lean_normal_tolerance_share_of_error = 0.6;
-inline constexpr double least_normal_tolerance_degrees = 0.35;
+inline constexpr double least_normal_tolerance_degrees = 0.5;
 inline constexpr double least_lean_normal_tolerance_degrees = 0.42;
 inline constexpr double largest_normal_tolerance_degrees = 8.0;
 
