@@ -330,17 +330,19 @@ class Encoder {
     }
 
     void add_group(const Vec3f& mean_of_faces, std::span<const std::uint32_t> corners) {
+        const bool exact = derivation_.tolerance_degrees <= most_degrees_of_exact;
         const Vec3f derived = derivation_.as_derived(mean_of_faces);
-        const bool good =
-            std::all_of(corners.begin(), corners.end(), [&](auto c) { return is_good(Vec3d(derived), c); });
+        const Vec3d judged(exact ? derived : mean_of_faces);
+        const bool good = std::all_of(corners.begin(), corners.end(), [&](auto c) { return is_good(judged, c); });
         const Vec3d mean = mean_of(corners);
+        const std::array<std::uint32_t, 2> residual = residual_of(mean, Vec3d(mean_of_faces), step_of(code_.step));
+        const Vec3f in_steps = moved_by(mean_of_faces, residual, static_cast<float>(step_of(code_.step)));
+        const Vec3f told = exact ? Vec3f(mean) : derivation_.as_derived(in_steps);
         for (const std::uint32_t c : corners)
             sent_.normal_of_corner[c] = static_cast<std::uint32_t>(sent_.normals.size());
-        sent_.normals.push_back(good ? derived : Vec3f(mean));
+        sent_.normals.push_back(good ? derived : told);
         code_.is_off.push_back(good ? 0 : 1);
-        if (good) return;
-        for (const std::uint32_t symbol : residual_of(mean, Vec3d(derived), step_of(code_.step)))
-            code_.residuals.push_back(symbol);
+        if (!good) code_.residuals.insert(code_.residuals.end(), residual.begin(), residual.end());
     }
 
     Surface surface_;

@@ -44,7 +44,10 @@ struct LeanShading {
     std::vector<FurtherNormal> further;  // those of one position side by side
 };
 
-// One normal for each group: the derived one where that is good enough, else the mean of those wanted.
+// One normal for each group: the derived one where that is good enough, else the mean of those wanted. Beyond so large
+// a tolerance the reader's rounding is not counted, and what is told goes in steps from the derived one, as of a lean
+// level: it repeats more, and a picture shows no difference.
+inline constexpr double most_degrees_of_exact = 1.0;
 struct SentNormals {
     std::vector<Vec3f> normals;
     std::vector<std::uint32_t> normal_of_corner;  // three a triangle, into `normals`; of flat ones without a meaning

@@ -34,9 +34,10 @@ inline constexpr int max_position_bits = 20;
 
 // How far rounding may move a level off its surface, RMS: this share of the error that the level has anyway, which
 // raises a picture's error by a few percent, and of its extent about what Draco's usual 14 bits cost.
-inline constexpr double off_surface_share_of_error = 0.33;
+inline constexpr double off_surface_share_of_error = 0.35;
 inline constexpr double off_surface_share_of_extent = 0.24 / (1 << 14);
 // Lean levels are a little closer.
+inline constexpr double lean_off_surface_share_of_error = 0.33;
 inline constexpr double lean_off_surface_share_of_extent = 0.22 / (1 << 14);
 // So are levels that show nothing but what rounding does: whose normals are off by less than this. Not where more than
 // so many of the normals have to be told, being so far from what the triangles tell, which takes the bytes.
@@ -99,7 +100,8 @@ struct EncodeOptions {
 // In proportion to what the level's normals are off anyway (metric::SurfaceError::normal_degrees), within limits.
 double fit_normal_tolerance_degrees(double normal_error_degrees, bool lean = false);
 // Bits of a plain level's normals that keep this many steps in the tolerance, within which a derived one is, rounded
-// towards zero. One that is told goes to the nearest, so where most are, fewer are enough. pre: > 0
+// towards zero. One that is told goes to the nearest, so where most are, fewer are enough: at most 8, and one less
+// where even the largest tolerance leaves them to be told (boxes whose corners were merged). pre: > 0
 inline constexpr double normal_steps_per_tolerance = 2.84;
 inline constexpr int most_normal_bits = 9, most_told_normal_bits = 8;
 int fit_normal_bits(double tolerance_degrees, bool most_are_told = false);

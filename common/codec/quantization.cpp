@@ -117,7 +117,8 @@ bool is_faithful(const mesh::Mesh& level, double normal_error_degrees) {
 QuantizationGrid fit_grid(const Box& bounds, const mesh::Mesh& level, double error, double normal_error_degrees,
                           bool lean) {
     const QuantizationGrid finest = choose_grid(bounds, 0.0, 0.0);
-    const double allowed = std::hypot(off_surface_share_of_error * (positive(error) ? error : 0.0),
+    const double share_of_error = lean ? lean_off_surface_share_of_error : off_surface_share_of_error;
+    const double allowed = std::hypot(share_of_error * (positive(error) ? error : 0.0),
                                       share_of_extent(is_faithful(level, normal_error_degrees), lean) * finest.range);
     // Rounding along a surface gains less than three bits on the nearest point, which is off by 0.29 steps.
     double largest = std::min(30.0 * allowed, finest.range / (std::ldexp(1.0, min_position_bits) - 1.0));

@@ -209,7 +209,7 @@ TEST(FitNormalBits, KeepAStepBelowAQuarterOfTheTolerance) {
     EXPECT_EQ(fit_normal_bits(2.8125), 8);
     EXPECT_EQ(fit_normal_bits(least_normal_tolerance_degrees), most_normal_bits);
     EXPECT_EQ(fit_normal_bits(least_normal_tolerance_degrees, true), most_told_normal_bits);
-    EXPECT_EQ(fit_normal_bits(8.0, true), 6);
+    EXPECT_EQ(fit_normal_bits(largest_normal_tolerance_degrees, true), 6);
     EXPECT_EQ(fit_normal_bits(1e-9), most_normal_bits);
     EXPECT_EQ(fit_normal_bits(1e9), 4);
 }
