@@ -80,8 +80,8 @@ mesh::Mesh TileBorders::mesh(std::size_t leaf) const {
     return out;
 }
 
-codec::QuantizationGrid TileBorders::grid(std::size_t leaf) const {
-    return codec::window_of_step(mesh::bounds(mesh(leaf)), steps_[leaf]);
+codec::QuantizationGrid TileBorders::grid(std::size_t leaf, const mesh::Mesh& rounded) const {
+    return codec::window_of_step(mesh::bounds(rounded), steps_[leaf]);
 }
 
 }  // namespace lodestream::bake

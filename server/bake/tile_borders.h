@@ -23,8 +23,8 @@ class TileBorders {
 
     // The leaf's triangles as mesh::part, its borders rounded.
     mesh::Mesh mesh(std::size_t leaf) const;
-    // That holds all of them, and what the leaf deserves by itself. pre: it has triangles
-    codec::QuantizationGrid grid(std::size_t leaf) const;
+    // That holds all of them, and what the leaf deserves by itself. `rounded`: its mesh(), not empty
+    codec::QuantizationGrid grid(std::size_t leaf, const mesh::Mesh& rounded) const;
 
     std::span<const std::uint32_t> triangles(std::size_t leaf) const { return triangles_[leaf]; }
 
