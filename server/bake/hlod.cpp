@@ -267,11 +267,10 @@ class TileMaker {
     }
 
     Status make_leaf(std::uint32_t index, const simplify::Executor& executor) {
-        Surface rounded{borders_->mesh(index), false};
-        rounded.mesh.triangle_objects.clear();
-        if (Status added = add_tile(index, rounded, {}, borders_->grid(index, rounded.mesh)); !added) return added;
         mesh::Mesh source = mesh::part(model_.mesh, borders_->triangles(index));
         source.triangle_objects.clear();
+        const Surface rounded{borders_->rounded(index, source), false};
+        if (Status added = add_tile(index, rounded, {}, borders_->grid(index, rounded.mesh)); !added) return added;
 
         std::vector<std::uint64_t> counts;
         add_chain(counts, source.triangles.size(), index == 0 ? coarsest_tile : tile_triangles);

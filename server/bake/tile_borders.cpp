@@ -66,18 +66,18 @@ void TileBorders::find_borders(std::span<const double> coarsest, std::span<const
         });
 }
 
-mesh::Mesh TileBorders::mesh(std::size_t leaf) const {
-    mesh::Mesh out = mesh::part(mesh_, triangles_[leaf]);
-    for (std::size_t t = 0; t < out.triangles.size(); ++t)
+mesh::Mesh TileBorders::rounded(std::size_t leaf, mesh::Mesh part) const {
+    for (std::size_t t = 0; t < part.triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t v = mesh_.triangles[triangles_[leaf][t]][k];
             const double step = border_steps_[first_[v]];
             if (!(step > 0.0)) continue;
             const Vec3f& position = mesh_.positions[v];
             for (int axis = 0; axis < 3; ++axis)
-                out.positions[out.triangles[t][k]][axis] = static_cast<float>(std::round(position[axis] / step) * step);
+                part.positions[part.triangles[t][k]][axis] =
+                    static_cast<float>(std::round(position[axis] / step) * step);
         }
-    return out;
+    return part;
 }
 
 codec::QuantizationGrid TileBorders::grid(std::size_t leaf, const mesh::Mesh& rounded) const {

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -17,13 +16,14 @@ namespace lodestream::bake {
 
 class TileBorders {
   public:
-    // `triangles`: of each leaf, those of `mesh`; may be empty. Memory: 12 bytes a vertex and as much meanwhile.
+    // `triangles`: of each leaf, those of `mesh`; may be empty. Memory: 8 bytes a vertex and 4 a triangle, and 16 a
+    // vertex meanwhile. `mesh` is to outlive it.
     TileBorders(const mesh::Mesh& mesh, std::vector<std::vector<std::uint32_t>> triangles,
                 const simplify::Executor& executor);
 
-    // The leaf's triangles as mesh::part, its borders rounded.
-    mesh::Mesh mesh(std::size_t leaf) const;
-    // That holds all of them, and what the leaf deserves by itself. `rounded`: its mesh(), not empty
+    // The leaf's borders rounded. `part`: mesh::part of its triangles
+    mesh::Mesh rounded(std::size_t leaf, mesh::Mesh part) const;
+    // That holds all of them, and what the leaf deserves by itself. `rounded`: as above, not empty
     codec::QuantizationGrid grid(std::size_t leaf, const mesh::Mesh& rounded) const;
 
     std::span<const std::uint32_t> triangles(std::size_t leaf) const { return triangles_[leaf]; }
